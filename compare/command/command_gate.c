@@ -176,7 +176,8 @@ static pl_status write_format(pl_gate_format format, const pl_gate_verdict *verd
     pl_status status = PL_OK;
     if (buffer.failed) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory for the report");
-    } else if (format == PL_GATE_TEXT && pl_is_stdout(path)) {
+    } else if (format == PL_GATE_TEXT && pl_is_stdout(path) && pl_window_is_known(stdout)) {
+        /* Elsewhere, such as in the log of a job, an entry is a line. */
         pl_folding folding;
         fputs(buffer.data, pl_folding_begin(&folding, stdout));
         pl_folding_end(&folding);

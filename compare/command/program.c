@@ -138,6 +138,9 @@ static void check_output(void)
 static void fit_help(void)
 {
     char format[32];
+    if (!pl_window_is_known(stdout)) {
+        return;
+    }
     snprintf(format, sizeof format, "rmargin=%d", pl_window_width(stdout) - 1);
     (void)setenv("ARGP_HELP_FMT", format, 0);
 }

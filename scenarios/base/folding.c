@@ -21,6 +21,12 @@ int pl_window_width(FILE *out)
     return width < PL_LEAST_WINDOW ? PL_LEAST_WINDOW : (int)width;
 }
 
+bool pl_window_is_known(FILE *out)
+{
+    const int file = fileno(out);
+    return (file >= 0 && isatty(file) == 1) || getenv("COLUMNS") != NULL;
+}
+
 static bool is_blank(char c)
 {
     return c == ' ' || c == '\n' || c == '\t';
@@ -82,7 +88,7 @@ static void add_folded_line(pl_text_buffer *out, const char *line, int width)
     for (const char *rest = line + blanks; *rest != '\0'; rest += next) {
         const size_t length = pl_fold_line(rest, width - indent, &next);
         pl_text_add_spaces(out, indent);
-        pl_text_add_bytes(out, rest, length);
+        pl_text_add_plain(out, rest, length);
         pl_text_add(out, rest[next] == '\0' ? "" : "\n");
         indent = hang;
     }
@@ -97,7 +103,7 @@ void pl_text_add_folded(pl_text_buffer *out, const char *text, int width)
         if (copy.data != NULL && pl_text_width(copy.data) > width) {
             add_folded_line(out, copy.data, width);
         } else {
-            pl_text_add_bytes(out, line, length);
+            pl_text_add_plain(out, line, length);
         }
         out->failed |= copy.failed;
         pl_text_free(&copy);

@@ -13,6 +13,9 @@ enum { PL_LEAST_WINDOW = 40, PL_PIPE_WIDTH = 120 };
  * variable COLUMNS, else 80 on a terminal and PL_PIPE_WIDTH elsewhere. At least PL_LEAST_WINDOW. */
 int pl_window_width(FILE *out);
 
+/* Whether that width is known: `out` is a terminal, or COLUMNS is set. */
+bool pl_window_is_known(FILE *out);
+
 /* The bytes of the first line of `text` when it is broken into lines of at most `width` >= 1: at
  * the last blank that fits; in a longer word after its last sign such as '_', ':' or '/', or else
  * anywhere. *next is where the next line starts, after the blanks between them. */
@@ -24,7 +27,7 @@ int pl_longest_word(const char *text);
 /* Adds text in which each line that is wider than `width` is broken into several. Where two blanks
  * or more part a line into columns, its further lines stand below the last column that starts in
  * its first half; elsewhere they are indented by two blanks more than an indented line or an item
- * "- ". Lines that fit are added unchanged. */
+ * "- ". Control characters become '?'. */
 void pl_text_add_folded(pl_text_buffer *out, const char *text, int width);
 
 /* Text on its way to a stream, which is folded to its window. */

@@ -159,13 +159,6 @@ void pl_table_style(pl_table *table, const char *style, const char *title)
     }
 }
 
-int pl_table_rows(const pl_table *table)
-{
-    return table->texts.failed || table->column_count == 0
-               ? 0
-               : table->cell_count / table->column_count;
-}
-
 /* ---- Writing ---- */
 
 /* What a call to pl_table_write uses. */
@@ -175,25 +168,6 @@ typedef struct writer {
     pl_text_buffer *out;
     int *width; /* (column_count) in padded Markdown */
 } writer;
-
-static const char *text_at(const pl_table *table, size_t offset)
-{
-    return table->texts.data + offset;
-}
-
-const char *pl_table_text(const pl_table *table, int row, int column)
-{
-    if (row < 0) {
-        return text_at(table, table->headings[column].text);
-    }
-    const pl_table_cell *cells = &table->cells[row * table->column_count];
-    for (int k = 0; k < column; ++k) {
-        if (cells[k].is_span) {
-            return NULL;
-        }
-    }
-    return text_at(table, cells[column].text);
-}
 
 static const pl_table_cell *cell_of(const pl_table *table, int row, int column)
 {
@@ -303,7 +277,7 @@ static void write_html_row(const writer *w, int row)
                            number[0] != '\0' && style[0] != '\0' ? " " : "", style);
         }
         if (cell->title != 0) {
-            pl_text_add_element(w->out, " title=\"", text_at(table, cell->title), "\"");
+            pl_text_add_element(w->out, " title=\"", table->texts.data + cell->title, "\"");
         }
         if (cell->is_span && k + 1 < table->column_count) {
             pl_text_format(w->out, " colspan=\"%d\"", table->column_count - k);

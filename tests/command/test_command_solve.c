@@ -78,7 +78,7 @@ static void test_solve_prints_the_outcome_and_the_history(void **state)
     plumb_output output = CALL(d, "solve", d->file, "--solver", "momentum");
     assert_contains(output.out, "4 bodies, 4 manifolds, 16 contact points; tower, step 12");
     assert_contains(output.out, "warm start: residual 0.164 m/s");
-    assert_contains(output.out, "iterations  residual, m/s     time, ms");
+    assert_contains(output.out, "iterations  residual, m/s  time, ms");
     assert_contains(output.out, "  ****");
     free_output(&output);
 }
