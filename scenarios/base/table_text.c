@@ -102,7 +102,8 @@ static void narrow_keys(layout *l)
  * first column that does not. */
 static int lay_out(layout *l, int first)
 {
-    int count = 0, used = width_of(l->least, 0, l->keys), last = first;
+    int count = 0, last = first;
+    int used = l->keys > 0 ? width_of(l->least, 0, l->keys) : -GAP;
     for (; count < l->keys; ++count) {
         l->shown[count] = count;
     }
