@@ -250,9 +250,9 @@ static const pl_option OPTIONS[] = {
      "Members of each ensemble (default 16); so few that no difference could be significant are "
      "refused",
      PL_OPTION_INTEGER, .field = offsetof(options, members), .min = 2, .max = 1000},
-    {"against", "NAME=VALUE[,...]|itself",
-     "Also run a second ensemble of each engine, with members of its own and with these "
-     "scenario settings, or the same ones, and compare the two (repeatable)",
+    {"against", "SETTINGS",
+     "Also run a second ensemble of each engine, with members of its own and with these scenario "
+     "settings, NAME=VALUE[,...], or with the same ones, itself, and compare the two (repeatable)",
      PL_OPTION_PARSED, .parse = add_against},
     {"converged", NULL,
      "Also run each engine's own reference, NAME@converged: a 16th of the time step, and 8 "
