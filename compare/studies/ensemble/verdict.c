@@ -34,20 +34,25 @@ int pl_verdicts_planned(const pl_ensembles *ensembles)
 pl_status pl_verdicts_possible(const pl_ensembles *ensembles, pl_error *error)
 {
     const int tests = pl_verdicts_planned(ensembles), members = ensembles->members;
-    const int needed = tests == 0 ? 0 : pl_permutation_least_count(tests, pl_significance);
     const double level = 100 * pl_significance;
-    if (tests > 0 && needed == 0) {
+    int needed = members;
+    pl_status status = PL_OK;
+    if (tests > 0) {
+        status = pl_permutation_least_count(tests, pl_significance, members, &needed, error);
+    }
+    if (status != PL_OK || needed == members) {
+        return status;
+    }
+    if (needed == 0) {
         return pl_fail(error, PL_BAD_INPUT,
-                       "with %d comparisons no difference could be significant at %g %%, with any "
-                       "number of members: compare fewer scenarios or engines at a time",
+                       "no number of members is enough for any of %d comparisons to be significant "
+                       "at %g %%: compare fewer scenarios or engines at a time",
                        tests, level);
     }
-    return members >= needed
-               ? PL_OK
-               : pl_fail(error, PL_BAD_INPUT,
-                         "--members %d: with %d members no difference could be significant; at "
-                         "least %d are needed for %d comparisons at %g %%",
-                         members, members, needed, tests, level);
+    return pl_fail(error, PL_BAD_INPUT,
+                   "--members %d: with %d members no difference could be significant; at least %d "
+                   "are needed for %d comparisons at %g %%",
+                   members, members, needed, tests, level);
 }
 
 /* Compares an observable of two ensembles, without the correction. */
