@@ -158,8 +158,10 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {"repeat", "N", "Runs of each case on each engine, interleaved (default 1)", PL_OPTION_INTEGER,
-     .field = offsetof(options, repeats), .min = 1, .max = 1000000},
+    {"repeat", "N",
+     "Runs of each case on each engine, interleaved (default 1); the table shows medians with "
+     "their spread",
+     PL_OPTION_INTEGER, .field = offsetof(options, repeats), .min = 1, .max = 1000000},
     {"iterations-to-tolerance", NULL,
      "Also find that metric (see plumb list metrics), with up to 20 more runs of each case "
      "on each engine that has an option iterations",
