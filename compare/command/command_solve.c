@@ -132,9 +132,11 @@ static void print_table(const session *s)
 /* One row of the history, with a bar as long as the residual has decades above the least one. */
 static void add_mark(pl_table *table, const pe_solve_mark *mark, double least, double decades)
 {
+    enum { NUMBERS_WIDTH = 42 }; /* of the columns before the bar */
     static const char bar[] = "************************************";
     const bool shown = isfinite(mark->residual) && mark->residual > 0 && decades > 0;
-    const int most = (int)strlen(bar) - 1;
+    const int room = pl_window_width(stdout) - NUMBERS_WIDTH, longest = (int)strlen(bar);
+    const int most = room < 8 ? 7 : room < longest ? room - 1 : longest - 1;
     const int length = shown ? 1 + (int)(most * log10(mark->residual / least) / decades) : 0;
     pl_table_format_cell(table, "%d", mark->iterations);
     pl_table_number(table, mark->residual, 3);
