@@ -2,6 +2,7 @@
 #include "command.h"
 
 #include "base/array.h"
+#include "base/folding.h"
 #include "request.h"
 #include "results/result.h"
 
@@ -13,7 +14,11 @@ enum { MAX_OPTIONS = 64, FIRST_KEY = 0x100 };
 
 /* Options that argp itself understands, for suggestions. */
 static const char *const COMMON_OPTIONS[] = {"help", "usage", "version"};
-enum { COMMON_COUNT = sizeof COMMON_OPTIONS / sizeof COMMON_OPTIONS[0] };
+enum {
+    HELP_OPTION = 0,
+    USAGE_OPTION = 1,
+    COMMON_COUNT = sizeof COMMON_OPTIONS / sizeof COMMON_OPTIONS[0]
+};
 
 /* A command line that is being parsed. */
 typedef struct parsing {
@@ -22,6 +27,8 @@ typedef struct parsing {
     const pl_option *table[MAX_OPTIONS]; /* (count) all options of the command */
     int count;
     struct argp_option argp[MAX_OPTIONS + 1]; /* (count) the same for argp, and a zero */
+    const char *explains; /* "--help" or "--usage", which the command line asks for; NULL: none */
+    FILE *explanation;    /* where argp writes that */
 } parsing;
 
 void pl_texts_add(pl_texts *texts, const char *item)
@@ -89,8 +96,9 @@ static void reject_unknown(const parsing *p, const char *option, size_t length)
     exit(PL_EXIT_USAGE);
 }
 
-/* Ends the program at the first unknown option, with a suggestion, which argp does not make. */
-static void check_options(const parsing *p)
+/* Ends the program at the first unknown option, with a suggestion, which argp does not make. Notes
+ * whether help is asked for. */
+static void check_options(parsing *p)
 {
     const pl_call *call = p->call;
     for (int i = 1; i < call->argc && strcmp(call->argv[i], "--") != 0; ++i) {
@@ -100,6 +108,9 @@ static void check_options(const parsing *p)
             int found = find(p, argument + 2, length);
             if (found == -1) {
                 reject_unknown(p, argument + 2, length);
+            }
+            if (found == p->count + HELP_OPTION || found == p->count + USAGE_OPTION) {
+                p->explains = found == p->count + HELP_OPTION ? "--help" : "--usage";
             }
             bool takes_argument = found >= 0 && found < p->count && p->table[found]->argument;
             i += takes_argument && argument[2 + length] != '=';
@@ -169,6 +180,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
     const parsing *p = state->input;
     pl_request *request = p->options;
     pl_error error = {.message = ""};
+    if (p->explains != NULL) {
+        state->out_stream = p->explanation;
+        state->flags |= ARGP_NO_EXIT;
+        return key == ARGP_KEY_INIT || key == ARGP_KEY_END ? 0 : ARGP_ERR_UNKNOWN;
+    }
     for (int i = 0; i < p->count; ++i) {
         if (p->argp[i].key == key) {
             set_option(p->table[i], p->options, text, state);
@@ -221,8 +237,18 @@ void pl_call_parse(const pl_call *call, void *options)
                               .args_doc = command->arguments,
                               .doc = doc,
                               .help_filter = filter_help};
-    error_t failed = argp_parse(&argp, call->argc, call->argv, 0, NULL, &p);
+    pl_folding folding;
+    char *alone[] = {call->argv[0], (char *)p.explains, NULL};
+    if (p.explains != NULL) {
+        p.explanation = pl_folding_begin(&folding, stdout);
+    }
+    error_t failed = argp_parse(&argp, p.explains != NULL ? 2 : call->argc,
+                                p.explains != NULL ? alone : call->argv, 0, NULL, &p);
     free(doc);
+    if (p.explains != NULL) {
+        pl_folding_end(&folding);
+        exit(PL_EXIT_OK);
+    }
     if (failed != 0) {
         fprintf(stderr, "%s: %s\n", call->argv[0], strerror(failed));
         exit(PL_EXIT_FAILED);

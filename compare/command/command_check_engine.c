@@ -1,4 +1,6 @@
 /* plumb check-engine: conformance of engines and their adapters to the engine ABI. */
+#include "base/folding.h"
+#include "base/table.h"
 #include "conformance/conformance.h"
 #include "request.h"
 #include "results/conformance_record.h"
@@ -64,33 +66,18 @@ static bool is_asked(const options *o, int index)
 
 static void print_list(void)
 {
+    pl_table table = {0};
+    pl_table_columns(&table, "check|what must hold");
     for (int i = 0; i < pl_conformance_count(); ++i) {
-        printf("%-22s %s\n", pl_conformance_name(i), pl_conformance_title(i));
+        pl_table_add(&table, pl_conformance_name(i));
+        pl_table_add(&table, pl_conformance_title(i));
     }
+    pl_table_print(&table, stdout);
+    pl_table_free(&table);
 }
 
 static const char *const outcome_names[] = {
     [PL_CHECK_PASSED] = "passed", [PL_CHECK_FAILED] = "failed", [PL_CHECK_SKIPPED] = "skipped"};
-
-enum { LINE_WIDTH = 80 };
-
-/* Prints a text from `column` on to the end of a line, and breaks it at blanks, so that it goes on
- * at the same column of the next line. */
-static void print_text(const char *text, int column)
-{
-    int at = column;
-    while (*text != '\0') {
-        const int word = (int)strcspn(text, " ");
-        if (at > column && at + 1 + word > LINE_WIDTH) {
-            printf("\n%*s", column, "");
-            at = column;
-        }
-        at += printf("%s%.*s", at > column ? " " : "", word, text);
-        text += word;
-        text += strspn(text, " ");
-    }
-    putchar('\n');
-}
 
 static void print_result(const pl_check_result *result)
 {
@@ -101,13 +88,16 @@ static void print_result(const pl_check_result *result)
     } texts[] = {
         {"expected", result->expected}, {"found", result->found}, {"likely", result->cause}};
     const bool failed = result->outcome == PL_CHECK_FAILED;
-    const int column = printf("  %-4s  %-22s ", marks[result->outcome], result->name);
-    print_text(result->outcome == PL_CHECK_SKIPPED ? result->found : result->title, column);
+    pl_folding folding;
+    FILE *out = pl_folding_begin(&folding, stdout);
+    fprintf(out, "  %-4s  %-22s  %s\n", marks[result->outcome], result->name,
+            result->outcome == PL_CHECK_SKIPPED ? result->found : result->title);
     for (size_t i = 0; failed && i < sizeof texts / sizeof *texts; ++i) {
         if (texts[i].text[0] != '\0') {
-            print_text(texts[i].text, printf("        %-8s  ", texts[i].title));
+            fprintf(out, "        %-8s  %s\n", texts[i].title, texts[i].text);
         }
     }
+    pl_folding_end(&folding);
     fflush(stdout);
 }
 
@@ -206,8 +196,11 @@ static pl_status check_choice(checking *c, const pl_engine_choice *choice, pl_er
     }
     const char *verdict = counts[PL_CHECK_FAILED] > 0 ? "failed" : "passed";
     if (c->shows) {
-        printf("%s: conformance %s: %d passed, %d failed, %d skipped\n", label, verdict,
-               counts[PL_CHECK_PASSED], counts[PL_CHECK_FAILED], counts[PL_CHECK_SKIPPED]);
+        pl_folding folding;
+        fprintf(pl_folding_begin(&folding, stdout),
+                "%s: conformance %s: %d passed, %d failed, %d skipped\n", label, verdict,
+                counts[PL_CHECK_PASSED], counts[PL_CHECK_FAILED], counts[PL_CHECK_SKIPPED]);
+        pl_folding_end(&folding);
         fflush(stdout);
     }
     keep_record(c, choice, counts);

@@ -1,5 +1,6 @@
 /* plumb compare: scenarios on engines side by side. Results are appended to DIR/results.jsonl as
  * runs end; the report is made at the end from all results in that file. */
+#include "base/folding.h"
 #include "report/report.h"
 #include "request.h"
 #include "results/store.h"
@@ -7,7 +8,6 @@
 #include "studies/iterations/iterations_to_tolerance.h"
 
 #include <stdlib.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 typedef struct options {
@@ -41,12 +41,8 @@ static void print_table(const json_t *results)
 {
     const char *plain = getenv("NO_COLOR");
     bool terminal = isatty(STDOUT_FILENO) == 1;
-    struct winsize size;
-    int width = 120;
-    if (terminal && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) {
-        width = size.ws_col;
-    }
-    pl_report_print_table(stdout, results, terminal && (plain == NULL || plain[0] == '\0'), width);
+    pl_report_print_table(stdout, results, terminal && (plain == NULL || plain[0] == '\0'),
+                          pl_window_width(stdout));
 }
 
 /* Report, --json and table, of all results in the store; the table last, because a reader of it
@@ -165,8 +161,10 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {"repeat", "N", "Runs of each case on each engine, interleaved (default 1)", PL_OPTION_INTEGER,
-     .field = offsetof(options, repeats), .min = 1, .max = 1000000},
+    {"repeat", "N",
+     "Runs of each case on each engine, interleaved (default 1); the table shows medians with "
+     "their spread",
+     PL_OPTION_INTEGER, .field = offsetof(options, repeats), .min = 1, .max = 1000000},
     {"iterations-to-tolerance", NULL,
      "Also find that metric (see plumb list metrics), with up to 20 more runs of each case "
      "on each engine that has an option iterations",

@@ -2,10 +2,12 @@
  * by the distributions of the end states of many runs from almost the same start. Results are
  * appended to DIR/results.jsonl as runs end. */
 #include "base/array.h"
+#include "base/folding.h"
 #include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
 #include "studies/ensemble/ensemble_report.h"
+#include "studies/ensemble/verdict.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -107,7 +109,7 @@ static pl_status deliver(const options *o, const pl_ensemble_outcome *outcome, p
         status = pl_results_write_json(o->request.json, outcome->json, error);
     }
     if (!pl_is_stdout(o->request.json)) {
-        fputs(outcome->summary, stdout);
+        fputs(outcome->text, stdout);
     }
     free(json);
     free(summary);
@@ -125,8 +127,8 @@ static pl_status conclude(const options *o, const pl_plan *plan, const pl_ensemb
     }
     json_t *before = o->request.resume ? json_load_file(path, 0, NULL) : NULL;
     free(path);
-    pl_status status =
-        pl_ensemble_conclude(plan, ensembles, results, folder, before, &outcome, error);
+    pl_status status = pl_ensemble_conclude(plan, ensembles, results, folder, before,
+                                            pl_window_width(stdout), &outcome, error);
     if (status == PL_OK) {
         status = deliver(o, &outcome, error);
     }
@@ -191,7 +193,10 @@ static pl_status make_plan(const pl_call *call, options *o, pl_plan *plan, pl_en
         pl_texts_add(&o->request.suites, "chaotic");
     }
     pl_status status = pl_request_add_engines(call, &o->request, plan, error);
-    return status == PL_OK ? pl_members_plan(&def, plan, ensembles, error) : status;
+    if (status == PL_OK) {
+        status = pl_members_plan(&def, plan, ensembles, error);
+    }
+    return status == PL_OK ? pl_verdicts_possible(ensembles, error) : status;
 }
 
 static int core_count(void)
@@ -241,11 +246,13 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {"members", "N", "Members of each ensemble (default 16)", PL_OPTION_INTEGER,
-     .field = offsetof(options, members), .min = 2, .max = 1000},
-    {"against", "NAME=VALUE[,...]|itself",
-     "Also run a second ensemble of each engine, with members of its own and with these "
-     "scenario settings, or the same ones, and compare the two (repeatable)",
+    {"members", "N",
+     "Members of each ensemble (default 16); so few that no difference could be significant are "
+     "refused",
+     PL_OPTION_INTEGER, .field = offsetof(options, members), .min = 2, .max = 1000},
+    {"against", "SETTINGS",
+     "Also run a second ensemble of each engine, with members of its own and with these scenario "
+     "settings, NAME=VALUE[,...], or with the same ones, itself, and compare the two (repeatable)",
      PL_OPTION_PARSED, .parse = add_against},
     {"converged", NULL,
      "Also run each engine's own reference, NAME@converged: a 16th of the time step, and 8 "

@@ -1,4 +1,5 @@
 /* plumb gate: results against a baseline and against rules; the exit code is the verdict. */
+#include "base/folding.h"
 #include "gate/baseline.h"
 #include "gate/gather.h"
 #include "gate/judge.h"
@@ -172,8 +173,17 @@ static pl_status write_format(pl_gate_format format, const pl_gate_verdict *verd
 {
     pl_text_buffer buffer = {0};
     pl_gate_write(format, verdict, &buffer);
-    pl_status status = buffer.failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for the report")
-                                     : pl_write_text(path, buffer.data, buffer.length, error);
+    pl_status status = PL_OK;
+    if (buffer.failed) {
+        status = pl_fail(error, PL_NO_MEMORY, "out of memory for the report");
+    } else if (format == PL_GATE_TEXT && pl_is_stdout(path) && pl_window_is_known(stdout)) {
+        /* Elsewhere, such as in the log of a job, an entry is a line. */
+        pl_folding folding;
+        fputs(buffer.data, pl_folding_begin(&folding, stdout));
+        pl_folding_end(&folding);
+    } else {
+        status = pl_write_text(path, buffer.data, buffer.length, error);
+    }
     pl_text_free(&buffer);
     return status;
 }

@@ -1,5 +1,6 @@
 /* plumb list scenarios|engines|metrics|suites. Each kind is built as one JSON array, which is
  * printed as it is or as text. */
+#include "base/folding.h"
 #include "engine_list.h"
 #include "plumb/scenario.h"
 #include "report/report.h"
@@ -103,55 +104,57 @@ static json_t *list_suites(void)
     return list;
 }
 
-static void print_settings(const json_t *settings)
+static void print_settings(const json_t *settings, FILE *out)
 {
     size_t index;
     const json_t *s;
     json_array_foreach(settings, index, s)
     {
-        printf("    %-24s %s (%s; default %g, %g to %g)\n", pl_json_get_text(s, "name"),
-               pl_json_get_text(s, "help"), pl_json_get_text(s, "unit"),
-               json_number_value(json_object_get(s, "default")),
-               json_number_value(json_object_get(s, "min")),
-               json_number_value(json_object_get(s, "max")));
+        fprintf(out, "    %-20s  %s (%s; default %g, %g to %g)\n", pl_json_get_text(s, "name"),
+                pl_json_get_text(s, "help"), pl_json_get_text(s, "unit"),
+                json_number_value(json_object_get(s, "default")),
+                json_number_value(json_object_get(s, "min")),
+                json_number_value(json_object_get(s, "max")));
     }
 }
 
-static void print_scenario(const json_t *item)
+static void print_scenario(const json_t *item, FILE *out)
 {
     const json_t *acceptance = json_object_get(item, "acceptance");
-    printf("%-18s %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "title"));
-    printf("    judged by %s\n", pl_json_get_text(item, "primary_error"));
+    fprintf(out, "%-18s  %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "title"));
+    fprintf(out, "    judged by %s\n", pl_json_get_text(item, "primary_error"));
     const char *unit = pl_json_get_text(acceptance, "unit");
     const bool has_unit = strcmp(unit, "1") != 0;
-    printf("    accurate up to %g%s%s (%s)\n",
-           json_number_value(json_object_get(acceptance, "bound")), has_unit ? " " : "",
-           has_unit ? unit : "", pl_json_get_text(acceptance, "reason"));
-    print_settings(json_object_get(item, "params"));
+    fprintf(out, "    accurate up to %g%s%s (%s)\n",
+            json_number_value(json_object_get(acceptance, "bound")), has_unit ? " " : "",
+            has_unit ? unit : "", pl_json_get_text(acceptance, "reason"));
+    print_settings(json_object_get(item, "params"), out);
 }
 
-static void print_metric(const json_t *item)
+static void print_metric(const json_t *item, FILE *out)
 {
-    printf("%-22s %-6s %-7s %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "unit"),
-           pl_json_get_text(item, "direction"), pl_json_get_text(item, "definition"));
+    fprintf(out, "%-22s  %-6s %-6s  %s\n", pl_json_get_text(item, "name"),
+            pl_json_get_text(item, "unit"), pl_json_get_text(item, "direction"),
+            pl_json_get_text(item, "definition"));
 }
 
-static void print_suite(const json_t *item)
+static void print_suite(const json_t *item, FILE *out)
 {
-    printf("%-12s %s\n   ", pl_json_get_text(item, "name"), pl_json_get_text(item, "description"));
+    fprintf(out, "%-12s  %s\n   ", pl_json_get_text(item, "name"),
+            pl_json_get_text(item, "description"));
     size_t index;
     const json_t *name;
     json_array_foreach(json_object_get(item, "scenarios"), index, name)
     {
-        printf(" %s", json_string_value(name));
+        fprintf(out, " %s", json_string_value(name));
     }
-    printf("\n");
+    fprintf(out, "\n");
 }
 
 typedef struct kind {
     const char *name;
     json_t *(*list)(void); /* NULL: engines, which can fail */
-    void (*print)(const json_t *item);
+    void (*print)(const json_t *item, FILE *out);
 } kind;
 
 static const kind kinds[] = {{"scenarios", list_scenarios, print_scenario},
@@ -245,10 +248,13 @@ static int run(const pl_call *call)
     } else {
         size_t index;
         const json_t *item;
+        pl_folding folding;
+        FILE *out = pl_folding_begin(&folding, stdout);
         json_array_foreach(list, index, item)
         {
-            o.kind->print(item);
+            o.kind->print(item, out);
         }
+        pl_folding_end(&folding);
     }
     const int code = has_fault(list) ? PL_EXIT_FAILED : PL_EXIT_OK;
     json_decref(list);

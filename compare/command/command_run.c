@@ -1,4 +1,6 @@
 /* plumb run SCENARIO --engine SPEC: one run, one result. */
+#include "base/folding.h"
+#include "base/table.h"
 #include "request.h"
 #include "results/run_verdict.h"
 #include "results/store.h"
@@ -48,44 +50,51 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
     return PL_OK;
 }
 
-static void print_metric(const char *name, const json_t *metric)
+static void add_metric(pl_table *table, const char *name, const json_t *metric)
 {
     const json_t *value = json_object_get(metric, "value");
+    const json_t *answer = json_object_get(metric, "answer");
+    pl_table_add(table, name);
     if (json_is_string(value)) {
-        printf("  %-22s %s\n", name, json_string_value(value));
+        pl_table_add(table, json_string_value(value));
+    } else if (json_is_number(value) && answer != NULL) {
+        pl_table_format_cell(table, "%.6g %s, nearest right answer: %d", json_number_value(value),
+                             pl_json_get_text(metric, "unit"), (int)json_integer_value(answer));
     } else if (json_is_number(value)) {
-        printf("  %-22s %-12.6g %s", name, json_number_value(value),
-               pl_json_get_text(metric, "unit"));
-        const json_t *answer = json_object_get(metric, "answer");
-        if (answer != NULL) {
-            printf("  nearest right answer: %d", (int)json_integer_value(answer));
-        }
-        printf("\n");
+        pl_table_format_cell(table, "%.6g %s", json_number_value(value),
+                             pl_json_get_text(metric, "unit"));
     } else {
-        printf("  %-22s none: %s\n", name, pl_json_get_text(metric, "reason"));
+        pl_table_format_cell(table, "none: %s", pl_json_get_text(metric, "reason"));
     }
 }
 
 static void print_result(const json_t *result)
 {
+    pl_folding folding;
+    FILE *out = pl_folding_begin(&folding, stdout);
     const json_t *steps = json_object_get(result, "steps");
-    printf("%s on %s: %s, %lld of %lld steps\n", pl_json_get_text(result, "scenario"),
-           pl_json_get_text(result, "label"), pl_json_get_text(result, "outcome"),
-           (long long)json_integer_value(json_object_get(steps, "done")),
-           (long long)json_integer_value(json_object_get(steps, "asked")));
+    fprintf(out, "%s on %s: %s, %lld of %lld steps\n", pl_json_get_text(result, "scenario"),
+            pl_json_get_text(result, "label"), pl_json_get_text(result, "outcome"),
+            (long long)json_integer_value(json_object_get(steps, "done")),
+            (long long)json_integer_value(json_object_get(steps, "asked")));
     if (pl_json_get_text(result, "reason")[0] != '\0') {
-        printf("  %s\n", pl_json_get_text(result, "reason"));
+        fprintf(out, "  %s\n", pl_json_get_text(result, "reason"));
     }
-    printf("  verdict: %s%s%s\n", pl_verdict_name(pl_verdict_of(result)),
-           pl_json_get_text(result, "verdict_reason")[0] != '\0' ? "; " : "",
-           pl_json_get_text(result, "verdict_reason"));
+    fprintf(out, "  verdict: %s%s%s\n", pl_verdict_name(pl_verdict_of(result)),
+            pl_json_get_text(result, "verdict_reason")[0] != '\0' ? "; " : "",
+            pl_json_get_text(result, "verdict_reason"));
+    pl_folding_end(&folding);
+    pl_table table = {.indent = 2};
+    pl_table_columns(&table, "metric|value");
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         const char *name = pl_metric_table[i].name;
         const json_t *metric = json_object_get(json_object_get(result, "metrics"), name);
         if (metric != NULL) {
-            print_metric(name, metric);
+            add_metric(&table, name, metric);
         }
     }
+    pl_table_print(&table, stdout);
+    pl_table_free(&table);
 }
 
 static FILE *open_trajectory(const char *path, pl_error *error)

@@ -1,4 +1,5 @@
 /* plumb solve PROBLEM.json --solver NAME: one contact problem, solved again. */
+#include "base/folding.h"
 #include "base/table.h"
 #include "request.h"
 #include "results/result.h"
@@ -95,16 +96,19 @@ static pl_status choose_solvers(const options *o, session *s, pl_error *error)
 
 static void print_problem(const options *o, const session *s)
 {
+    pl_folding folding;
+    FILE *out = pl_folding_begin(&folding, stdout);
     const pe_contact_problem *p = s->problem;
-    printf("%s: %d bodies, %d manifolds, %d contact points", o->file, p->body_count,
-           p->manifold_count, p->point_count);
+    fprintf(out, "%s: %d bodies, %d manifolds, %d contact points", o->file, p->body_count,
+            p->manifold_count, p->point_count);
     const char *scenario = json_string_value(json_object_get(s->source, "scenario"));
     const json_t *step = json_object_get(s->source, "step");
     if (scenario != NULL && json_is_number(step)) {
-        printf("; %s, step %.0f", scenario, json_number_value(step));
+        fprintf(out, "; %s, step %.0f", scenario, json_number_value(step));
     }
-    printf("\n%s start: residual %.3g m/s, rms %.3g\n", o->cold ? "cold" : "warm",
-           s->runs[0].solution.start.max, s->runs[0].solution.start.rms);
+    fprintf(out, "\n%s start: residual %.3g m/s, rms %.3g\n", o->cold ? "cold" : "warm",
+            s->runs[0].solution.start.max, s->runs[0].solution.start.rms);
+    pl_folding_end(&folding);
 }
 
 static void print_table(const session *s)
@@ -121,21 +125,23 @@ static void print_table(const session *s)
         pl_table_number(&table, run->solution.residual.rms, 3);
     }
     putchar('\n');
-    pl_table_print(&table, PL_TABLE_TEXT, stdout);
+    pl_table_print(&table, stdout);
     pl_table_free(&table);
 }
 
 /* One row of the history, with a bar as long as the residual has decades above the least one. */
-static void print_mark(const pe_solve_mark *mark, double least, double decades)
+static void add_mark(pl_table *table, const pe_solve_mark *mark, double least, double decades)
 {
-    enum { WIDTH = 36 };
-    bool shown = isfinite(mark->residual) && mark->residual > 0 && decades > 0;
-    int length = shown ? 1 + (int)(WIDTH * log10(mark->residual / least) / decades) : 0;
-    printf("%10d %14.3g %12.4g  ", mark->iterations, mark->residual, 1e3 * mark->seconds);
-    for (int i = 0; i < length; ++i) {
-        putchar('*');
-    }
-    putchar('\n');
+    enum { NUMBERS_WIDTH = 42 }; /* of the columns before the bar */
+    static const char bar[] = "************************************";
+    const bool shown = isfinite(mark->residual) && mark->residual > 0 && decades > 0;
+    const int room = pl_window_width(stdout) - NUMBERS_WIDTH, longest = (int)strlen(bar);
+    const int most = room < 8 ? 7 : room < longest ? room - 1 : longest - 1;
+    const int length = shown ? 1 + (int)(most * log10(mark->residual / least) / decades) : 0;
+    pl_table_format_cell(table, "%d", mark->iterations);
+    pl_table_number(table, mark->residual, 3);
+    pl_table_number(table, 1e3 * mark->seconds, 4);
+    pl_table_format_cell(table, "%.*s", length, bar);
 }
 
 /* About so many rows, evenly spaced, the first and last among them. */
@@ -151,11 +157,15 @@ static void print_history(const pe_contact_solution *solution)
     }
     double decades = most > least ? log10(most / least) : 0;
     int rows = count < ROWS ? count : ROWS;
-    printf("\n%10s %14s %12s\n", "iterations", "residual, m/s", "time, ms");
+    pl_table table = {0};
+    pl_table_columns(&table, ">iterations|>residual, m/s|>time, ms|");
     for (int row = 0; row < rows; ++row) {
         int i = rows == 1 ? 0 : (int)((long)row * (count - 1) / (rows - 1));
-        print_mark(&solution->history[i], least, decades);
+        add_mark(&table, &solution->history[i], least, decades);
     }
+    putchar('\n');
+    pl_table_print(&table, stdout);
+    pl_table_free(&table);
 }
 
 /* ---- JSON ---- */

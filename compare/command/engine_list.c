@@ -8,8 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { LINE_WIDTH = 98 };
-
 /* ---- JSON ---- */
 
 /* The values of a profile that differ from those of the first one, by name. */
@@ -192,43 +190,21 @@ pl_status pl_engine_list(const char *const *asked, int asked_count, json_t **lis
 
 /* ---- Text ---- */
 
-/* Prints a text in lines of at most LINE_WIDTH bytes; the cursor stands at column `at`, and further
- * lines begin at column `indent`. */
-static void print_wrapped(int at, int indent, const char *text)
-{
-    const char *rest = text;
-    for (bool first = true; *rest != '\0'; first = false) {
-        const int length = (int)strcspn(rest, " ");
-        if (!first && at + 1 + length > LINE_WIDTH) {
-            printf("\n%*s", indent, "");
-            at = indent;
-        } else if (!first) {
-            putchar(' ');
-            ++at;
-        }
-        printf("%.*s", length, rest);
-        at += length;
-        rest += length;
-        rest += strspn(rest, " ");
-    }
-    putchar('\n');
-}
-
 /* Precision, sub-steps, integrator and what contacts report, on a line. */
-static void print_nature(const json_t *item)
+static void print_nature(const json_t *item, FILE *out)
 {
     const int substeps = (int)json_integer_value(json_object_get(item, "substeps"));
-    printf("  %s precision, %d %s a step, integrator %s, contacts ",
-           pl_json_get_text(item, "precision"), substeps, substeps == 1 ? "sub-step" : "sub-steps",
-           pl_json_get_text(item, "integrator"));
+    fprintf(out, "  %s precision, %d %s a step, integrator %s, contacts ",
+            pl_json_get_text(item, "precision"), substeps, substeps == 1 ? "sub-step" : "sub-steps",
+            pl_json_get_text(item, "integrator"));
     const json_t *contacts = json_object_get(item, "contacts");
     size_t index;
     const json_t *name;
     json_array_foreach(contacts, index, name)
     {
-        printf("%s%s", index == 0 ? "with " : ", ", json_string_value(name));
+        fprintf(out, "%s%s", index == 0 ? "with " : ", ", json_string_value(name));
     }
-    printf("%s\n", json_array_size(contacts) == 0 ? "not reported" : "");
+    fprintf(out, "%s\n", json_array_size(contacts) == 0 ? "not reported" : "");
 }
 
 /* The text of the source of an option; NULL: none. */
@@ -246,19 +222,18 @@ static const char *source_text(const json_t *sources, const char *option)
 }
 
 /* A setting on a line, and why. */
-static void print_value(const char *name, double value, const char *why)
+static void print_value(const char *name, double value, const char *why, FILE *out)
 {
     char setting[PL_NAME_SIZE + 40];
     snprintf(setting, sizeof setting, "%s=%.6g", name, value);
     if (why == NULL) {
-        printf("      %s\n", setting);
+        fprintf(out, "      %s\n", setting);
     } else {
-        const int used = printf("      %-24s ", setting);
-        print_wrapped(used, 31, why);
+        fprintf(out, "      %-20s  %s\n", setting, why);
     }
 }
 
-static void print_profile(const json_t *engine, json_t *p)
+static void print_profile(const json_t *engine, json_t *p, FILE *out)
 {
     size_t index;
     const json_t *source;
@@ -266,59 +241,58 @@ static void print_profile(const json_t *engine, json_t *p)
     json_t *value;
     const json_t *sources = json_object_get(p, "sources");
     const char *name = pl_json_get_text(engine, "name");
-    printf("  %s:%-*s %s%s\n", name, 25 - (int)strlen(name), pl_json_get_text(p, "name"),
-           pl_json_get_text(p, "help"),
-           json_is_true(json_object_get(p, "in_default_comparison")) ? ""
-                                                                     : " (only when asked for)");
+    fprintf(out, "  %s:%-*s  %s%s\n", name, 19 - (int)strlen(name), pl_json_get_text(p, "name"),
+            pl_json_get_text(p, "help"),
+            json_is_true(json_object_get(p, "in_default_comparison")) ? ""
+                                                                      : " (only when asked for)");
     json_object_foreach(json_object_get(p, "changed"), key, value)
     {
-        print_value(key, json_number_value(value), source_text(sources, key));
+        print_value(key, json_number_value(value), source_text(sources, key), out);
     }
     json_array_foreach(sources, index, source)
     {
         if (json_is_null(json_object_get(source, "option"))) {
-            printf("      ");
-            print_wrapped(6, 8, pl_json_get_text(source, "text"));
+            fprintf(out, "      %s\n", pl_json_get_text(source, "text"));
         }
     }
 }
 
 /* Texts of an array, with commas between them. */
-static void print_texts(const json_t *texts)
+static void print_texts(const json_t *texts, FILE *out)
 {
     size_t index;
     const json_t *item;
     json_array_foreach(texts, index, item)
     {
-        printf("%s%s", index == 0 ? "" : ", ", json_string_value(item));
+        fprintf(out, "%s%s", index == 0 ? "" : ", ", json_string_value(item));
     }
 }
 
 /* A tuned profile: what it is for, where it is from, and how its options differ from those of the
  * profile that it changes. */
-static void print_tuned(const json_t *engine, const json_t *tuned)
+static void print_tuned(const json_t *engine, const json_t *tuned, FILE *out)
 {
     size_t index;
     const json_t *option;
     const char *name = pl_json_get_text(engine, "name"), *base = pl_json_get_text(tuned, "profile");
     const char *from = pl_json_get_text(tuned, "from");
     const double dt = json_number_value(json_object_get(tuned, "dt"));
-    printf("  %s:%-*s ", name, 25 - (int)strlen(name), pl_json_get_text(tuned, "name"));
-    print_texts(json_object_get(tuned, "targets"));
-    printf(" on ");
-    print_texts(json_object_get(tuned, "scenarios"));
-    printf("\n      %s; from %s, made %s\n",
-           json_is_true(json_object_get(tuned, "validated")) ? "validated" : "not validated",
-           strcmp(from, "plumb") == 0 ? "Plumb" : from, pl_json_get_text(tuned, "made"));
+    fprintf(out, "  %s:%-*s  ", name, 19 - (int)strlen(name), pl_json_get_text(tuned, "name"));
+    print_texts(json_object_get(tuned, "targets"), out);
+    fprintf(out, " on ");
+    print_texts(json_object_get(tuned, "scenarios"), out);
+    fprintf(out, "\n      %s; from %s, made %s\n",
+            json_is_true(json_object_get(tuned, "validated")) ? "validated" : "not validated",
+            strcmp(from, "plumb") == 0 ? "Plumb" : from, pl_json_get_text(tuned, "made"));
     if (dt > 0) {
-        printf("      for --dt 1/%.6g\n", 1 / dt);
+        fprintf(out, "      for --dt 1/%.6g\n", 1 / dt);
     }
     const json_t *profile = NULL;
     json_array_foreach(json_object_get(engine, "profiles"), index, option)
     {
         profile = strcmp(pl_json_get_text(option, "name"), base) == 0 ? option : profile;
     }
-    printf("      changes %s:%s:\n", name, base);
+    fprintf(out, "      changes %s:%s:\n", name, base);
     json_array_foreach(json_object_get(engine, "options"), index, option)
     {
         const char *key = pl_json_get_text(option, "name");
@@ -327,12 +301,12 @@ static void print_tuned(const json_t *engine, const json_t *tuned)
         const double before =
             json_number_value(other != NULL ? other : json_object_get(option, "default"));
         if (value != NULL && json_number_value(value) != before) {
-            print_value(key, json_number_value(value), NULL);
+            print_value(key, json_number_value(value), NULL, out);
         }
     }
 }
 
-static void print_option(const json_t *o)
+static void print_option(const json_t *o, FILE *out)
 {
     char setting[PL_NAME_SIZE];
     char range[128] = "";
@@ -348,36 +322,36 @@ static void print_option(const json_t *o)
              json_number_value(json_object_get(o, "min")),
              json_number_value(json_object_get(o, "max")), range);
     snprintf(setting, sizeof setting, "%s", pl_json_get_text(o, "name"));
-    print_wrapped(printf("    %-24s ", setting), 29, text);
+    fprintf(out, "    %-20s  %s\n", setting, text);
 }
 
-void pl_engine_list_print(const json_t *item)
+void pl_engine_list_print(const json_t *item, FILE *out)
 {
     const char *name = pl_json_get_text(item, "name");
     size_t index;
     json_t *part;
     if (!json_is_true(json_object_get(item, "present"))) {
-        printf("%-10s absent from this build; Debian: %s\n", name,
-               pl_json_get_text(item, "package"));
+        fprintf(out, "%-10s absent from this build; Debian: %s\n", name,
+                pl_json_get_text(item, "package"));
         return;
     }
     if (json_object_get(item, "fault") != NULL) {
-        printf("%-10s %s\n", name, pl_json_get_text(item, "fault"));
+        fprintf(out, "%-10s %s\n", name, pl_json_get_text(item, "fault"));
         return;
     }
-    printf("%-10s %s  %s\n", name, pl_json_get_text(item, "version"),
-           pl_json_get_text(item, "description"));
-    print_nature(item);
+    fprintf(out, "%-10s %s  %s\n", name, pl_json_get_text(item, "version"),
+            pl_json_get_text(item, "description"));
+    print_nature(item, out);
     json_array_foreach(json_object_get(item, "profiles"), index, part)
     {
-        print_profile(item, part);
+        print_profile(item, part, out);
     }
     json_array_foreach(json_object_get(item, "tuned"), index, part)
     {
-        print_tuned(item, part);
+        print_tuned(item, part, out);
     }
     json_array_foreach(json_object_get(item, "options"), index, part)
     {
-        print_option(part);
+        print_option(part, out);
     }
 }

@@ -1,6 +1,8 @@
 /* `plumb COMMAND ...`: the table of commands, help and version. */
 #include "command.h"
 
+#include "base/folding.h"
+
 #include <argp.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -33,7 +35,7 @@ static const pl_command *const COMMANDS[] = {&pl_command_compare,
 enum { COMMAND_COUNT = sizeof COMMANDS / sizeof COMMANDS[0] };
 
 static const char INTRODUCTION[] = "plumb runs canonical scenarios on rigid-body physics engines, "
-                                   "and reports how far each engine\n"
+                                   "and reports how far each engine "
                                    "is from the right answer and at what cost.\n"
                                    "\n"
                                    "Usage: plumb COMMAND [OPTION...]\n"
@@ -44,9 +46,9 @@ static const char CLOSING[] =
     "  plumb help COMMAND     options and examples of a command\n"
     "  plumb --version        version\n"
     "\n"
-    "Exit codes: 0 success; 1 the gate failed (gate) or a check failed (check-engine); 2 usage\n"
-    "or bad input; 3 the outcome of a run is not ok (run), no solver reached the tolerance\n"
-    "(solve), a run could not be made, or I/O failed; 4 nothing was compared; 128+N ended by\n"
+    "Exit codes: 0 success; 1 the gate failed (gate) or a check failed (check-engine); 2 usage "
+    "or bad input; 3 the outcome of a run is not ok (run), no solver reached the tolerance "
+    "(solve), a run could not be made, or I/O failed; 4 nothing was compared; 128+N ended by "
     "signal N.\n";
 
 /* The command of that name; NULL, after a message on behalf of `asker`, when there is none. */
@@ -79,11 +81,14 @@ static int help(const pl_call *call)
 {
     const char *name = call->argc > 1 ? call->argv[1] : "help";
     if (strncmp(name, "--", 2) == 0 || strcmp(name, "help") == 0) {
-        fputs(INTRODUCTION, stdout);
+        pl_folding folding;
+        FILE *out = pl_folding_begin(&folding, stdout);
+        fputs(INTRODUCTION, out);
         for (int i = 0; i < COMMAND_COUNT; ++i) {
-            printf("  plumb %-16s %s\n", COMMANDS[i]->name, COMMANDS[i]->summary);
+            fprintf(out, "  plumb %-12s  %s\n", COMMANDS[i]->name, COMMANDS[i]->summary);
         }
-        fputs(CLOSING, stdout);
+        fputs(CLOSING, out);
+        pl_folding_end(&folding);
         return PL_EXIT_OK;
     }
     const pl_command *command = find_command(name, "plumb help", "");
@@ -129,12 +134,24 @@ static void check_output(void)
     }
 }
 
+/* argp's own help fits the window too, unless the user has set its format. */
+static void fit_help(void)
+{
+    char format[32];
+    if (!pl_window_is_known(stdout)) {
+        return;
+    }
+    snprintf(format, sizeof format, "rmargin=%d", pl_window_width(stdout) - 1);
+    (void)setenv("ARGP_HELP_FMT", format, 0);
+}
+
 int pl_program(int argc, char **argv)
 {
     fill_closed_streams();
     atexit(check_output);
     argp_err_exit_status = PL_EXIT_USAGE;
     argp_program_version_hook = print_version;
+    fit_help();
     if (argc < 2) {
         fprintf(stderr, "plumb: no command was given; see plumb help\n");
         return PL_EXIT_USAGE;

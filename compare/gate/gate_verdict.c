@@ -5,7 +5,6 @@
 #include "base/array.h"
 #include "results/result.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -130,7 +129,7 @@ static void words_text(const pl_gate_entry *entry, char text[WORDS_SIZE])
 static void add_plain(pl_text_buffer *out, const char *text, bool is_property)
 {
     (void)is_property;
-    pl_text_add_plain(out, text, INT_MAX);
+    pl_text_add_plain(out, text, strlen(text));
 }
 
 /* A workflow command ends at a line's end, and its properties at a comma or a colon. */

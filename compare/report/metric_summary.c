@@ -101,6 +101,16 @@ void pl_metric_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_S
                                                 : pl_no_number);
 }
 
+void pl_metric_spread_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_SIZE])
+{
+    pl_metric_text(summary, text);
+    if (summary->state == PL_METRIC_VALUE && summary->max > summary->min) {
+        char number[PL_NUMBER_SIZE];
+        pl_format_spread(summary->value, summary->mad, summary->unit, number);
+        snprintf(text, PL_METRIC_TEXT_SIZE, "%s", number);
+    }
+}
+
 /* Returns why there is no number; "" when there is one. */
 static const char *reason_of(const pl_metric_summary *summary)
 {

@@ -31,6 +31,9 @@ pl_metric_summary pl_metric_summarise(const json_t *const *results, int repeats,
 /* Writes the value as in a table; "–" when there is none. */
 void pl_metric_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_SIZE]);
 
+/* The same, with the spread where repeats differ: "12.3 ± 0.4 µs" has the median and `mad`. */
+void pl_metric_spread_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_SIZE]);
+
 /* Writes the text of a tooltip: why there is no value, or spread and percentiles; "" where there is
  * nothing to say. */
 void pl_metric_note(const pl_metric_summary *summary, char text[PL_METRIC_NOTE_SIZE]);

@@ -36,34 +36,55 @@ static void digits(double value, char text[32])
     }
 }
 
-static void scaled(double value, const scale *scales, int count, char text[PL_NUMBER_SIZE])
+/* Writes a spread with as many places as the text of its number, and at least one digit. */
+static void spread_digits(double spread, const char *number, char text[32])
 {
+    const char *point = strchr(number, '.');
+    const double size = fabs(spread);
+    if (size < 0.9995e-3 || size >= 99999.5 || strchr(number, 'e') != NULL) {
+        digits(spread, text);
+    } else {
+        const int places = point == NULL ? 0 : (int)strlen(point + 1);
+        const int least = -(int)floor(log10(size * 1.05));
+        snprintf(text, 32, "%.*f", places > least ? places : least, spread);
+    }
+}
+
+/* The scale in which a number of this unit is written. */
+static scale scale_of(double value, const char *unit)
+{
+    const bool is_bytes = strcmp(unit, "bytes") == 0 || strcmp(unit, "B") == 0;
+    if (!is_bytes && (strcmp(unit, "s") != 0 || value == 0)) {
+        return (scale){1, strcmp(unit, "1") == 0 ? "" : unit};
+    }
+    const scale *scales = is_bytes ? byte_scales : time_scales;
     int i = 0;
-    while (i < count - 1 && fabs(value) < 0.9995 * scales[i].factor) {
+    while (i < 3 && fabs(value) < 0.9995 * scales[i].factor) {
         ++i;
     }
-    char number[32];
-    digits(value / scales[i].factor, number);
-    snprintf(text, PL_NUMBER_SIZE, "%s %s", number, scales[i].unit);
+    return scales[i];
 }
 
 void pl_format_number(double value, const char *unit, char text[PL_NUMBER_SIZE])
 {
     if (!isfinite(value)) {
         snprintf(text, PL_NUMBER_SIZE, "%s", pl_no_number);
-    } else if (strcmp(unit, "s") == 0 && value != 0) {
-        scaled(value, time_scales, 4, text);
-    } else if (strcmp(unit, "bytes") == 0 || strcmp(unit, "B") == 0) {
-        scaled(value, byte_scales, 4, text);
-    } else {
-        char number[32];
-        digits(value, number);
-        if (strcmp(unit, "1") == 0 || unit[0] == '\0') {
-            snprintf(text, PL_NUMBER_SIZE, "%s", number);
-        } else {
-            snprintf(text, PL_NUMBER_SIZE, "%s %.40s", number, unit);
-        }
+        return;
     }
+    const scale in = scale_of(value, unit);
+    char number[32];
+    digits(value / in.factor, number);
+    snprintf(text, PL_NUMBER_SIZE, "%s%s%.40s", number, in.unit[0] == '\0' ? "" : " ", in.unit);
+}
+
+void pl_format_spread(double value, double spread, const char *unit, char text[PL_NUMBER_SIZE])
+{
+    const scale in = scale_of(value, unit);
+    char number[32], around[32];
+    digits(value / in.factor, number);
+    spread_digits(spread / in.factor, number, around);
+    snprintf(text, PL_NUMBER_SIZE, "%s ± %s%s%.20s", number, around, in.unit[0] == '\0' ? "" : " ",
+             in.unit);
 }
 
 void pl_format_given(double value, const char *unit, char text[PL_NUMBER_SIZE])

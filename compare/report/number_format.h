@@ -12,6 +12,10 @@ extern const char pl_no_number[];
  * finite is written as pl_no_number. */
 void pl_format_number(double value, const char *unit, char text[PL_NUMBER_SIZE]);
 
+/* Writes a finite number with its spread, which has as many places and at least one digit, and the
+ * number's unit: "12.3 ± 0.4 µs". */
+void pl_format_spread(double value, double spread, const char *unit, char text[PL_NUMBER_SIZE]);
+
 /* Writes a number that was given, not measured: with up to six digits, and its unit. */
 void pl_format_given(double value, const char *unit, char text[PL_NUMBER_SIZE]);
 

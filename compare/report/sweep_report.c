@@ -1,6 +1,7 @@
 /* The page of a sweep, its tables on a terminal, and the files that hold both. */
 #include "sweep_report.h"
 
+#include "base/folding.h"
 #include "base/json_field.h"
 #include "page.h"
 #include "results/store.h"
@@ -8,7 +9,7 @@
 
 #include <stdlib.h>
 
-enum { PRINTED_ROWS = 20, MOST_WIDTH = 60 };
+enum { PRINTED_ROWS = 20 };
 
 /* Whether plumb took part; engines of ours come first. */
 static bool has_ours(const pl_sweep_analysis *analysis)
@@ -81,16 +82,15 @@ pl_status pl_sweep_report_write(const char *directory, const pl_sweep_analysis *
 /* ---- Terminal ---- */
 
 /* Prints the first `most` rows of a table (0: all) under a heading, and frees the table. */
-static void print_table(const char *heading, pl_table table, int most, pl_text_buffer *out)
+static void print_table(const char *heading, pl_table table, int most, int width,
+                        pl_text_buffer *out)
 {
     const int rows = pl_table_rows(&table);
     table.last = most == 0 || rows < most ? rows : most;
-    for (int k = 0; k < table.column_count; ++k) {
-        pl_table_set_width(&table, k, 0, MOST_WIDTH);
-    }
+    table.line_width = width;
     if (rows > 0) {
         pl_text_add(out, "\n");
-        pl_text_add_plain(out, heading, 200);
+        pl_text_add_folded(out, heading, width);
         pl_text_add(out, "\n\n");
     }
     pl_table_write(&table, PL_TABLE_TEXT, out);
@@ -100,7 +100,7 @@ static void print_table(const char *heading, pl_table table, int most, pl_text_b
     pl_table_free(&table);
 }
 
-static void print_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+static void print_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int width,
                         pl_text_buffer *out)
 {
     pl_text_buffer heading = {0};
@@ -108,38 +108,46 @@ static void print_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene 
                    scene->primary_error, scene->unit[0] == '\0' ? "" : ", ", scene->unit);
     out->failed |= heading.failed;
     if (scene->primary_error[0] != '\0' && !heading.failed) {
-        print_table(heading.data, pl_sweep_costs_table(analysis, scene, PL_SWEEP_WHOLE), 0, out);
+        print_table(heading.data, pl_sweep_costs_table(analysis, scene, PL_SWEEP_WHOLE), 0, width,
+                    out);
     }
     pl_text_free(&heading);
 }
 
 void pl_sweep_report_print(FILE *stream, const pl_sweep_analysis *analysis)
 {
-    pl_text_buffer out = {0};
+    pl_text_buffer words = {0}, out = {0};
+    const int width = pl_window_width(stream);
     if (has_ours(analysis)) {
-        pl_sweep_statement(analysis, &out);
-        pl_text_add(&out, "\n");
+        pl_sweep_statement(analysis, &words);
+        pl_text_add(&words, "\n");
     }
-    pl_sweep_unverified(analysis, &out);
-    pl_text_add(&out, "\n");
-    pl_sweep_warning(analysis, &out);
+    pl_sweep_unverified(analysis, &words);
+    pl_text_add(&words, "\n");
+    pl_sweep_warning(analysis, &words);
+    pl_text_add_folded(&out, words.failed ? "" : words.data, width);
+    out.failed |= words.failed;
+    pl_text_free(&words);
     if (has_ours(analysis)) {
-        print_table("Where plumb loses", pl_sweep_losses_table(analysis), PRINTED_ROWS, &out);
+        print_table("Where plumb loses", pl_sweep_losses_table(analysis), PRINTED_ROWS, width,
+                    &out);
     }
     print_table("Speed of plumb at errors of at most 1e-3, over all scenes",
-                pl_sweep_means_table(analysis, PL_SWEEP_WHOLE, PL_SWEEP_MATCHED_LEVEL), 0, &out);
+                pl_sweep_means_table(analysis, PL_SWEEP_WHOLE, PL_SWEEP_MATCHED_LEVEL), 0, width,
+                &out);
     print_table("Speed of plumb at errors of at most 1e-3, scene by scene",
-                pl_sweep_factors_table(analysis, -1, PL_SWEEP_MATCHED_LEVEL), 0, &out);
+                pl_sweep_factors_table(analysis, -1, PL_SWEEP_MATCHED_LEVEL), 0, width, &out);
     for (int i = 0; i < analysis->scene_count; ++i) {
-        print_scene(analysis, &analysis->scenes[i], &out);
+        print_scene(analysis, &analysis->scenes[i], width, &out);
     }
     if (analysis->profile_count > PL_SWEEP_MATCHED_LEVEL) {
         print_table("Scenes solved to 1e-3, within a factor of the fastest",
                     pl_sweep_shares_table(analysis, &analysis->profiles[PL_SWEEP_MATCHED_LEVEL]), 0,
-                    &out);
+                    width, &out);
     }
-    print_table("Order of convergence", pl_sweep_orders_table(analysis, -1), 0, &out);
-    print_table("Points without numbers", pl_sweep_failed_table(analysis, -1), PRINTED_ROWS, &out);
+    print_table("Order of convergence", pl_sweep_orders_table(analysis, -1), 0, width, &out);
+    print_table("Points without numbers", pl_sweep_failed_table(analysis, -1), PRINTED_ROWS, width,
+                &out);
     fputs(out.failed ? "out of memory to print the sweep\n" : out.data, stream);
     pl_text_free(&out);
 }

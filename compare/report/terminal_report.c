@@ -1,5 +1,6 @@
-/* The report for a terminal: it fits the width by shortening names and reasons, never numbers. */
+/* The report for a terminal: lines and tables are folded to its width, and nothing is cut off. */
 #include "adapter_trust.h"
+#include "base/folding.h"
 #include "base/table.h"
 #include "cell_verdict.h"
 #include "number_format.h"
@@ -8,7 +9,7 @@
 
 #include <string.h>
 
-enum { NUMBER_COLUMNS = 4, SHOWN_LOSSES = 5, VERDICT_WIDTH = 11, LEAST_NAME = 6, GAP = 2 };
+enum { NUMBER_COLUMNS = 4, SHOWN_LOSSES = 5, INDENT = 2 };
 
 static const pl_metric_id shown[NUMBER_COLUMNS] = {
     PL_METRIC_REFERENCE_ERROR, PL_METRIC_PENETRATION_MAX, PL_METRIC_ITERATIONS_MEAN,
@@ -22,33 +23,22 @@ typedef struct terminal {
     int width;
 } terminal;
 
-/* Adds a line that is cut to the width. */
+/* Adds a line, folded to the width. */
 static void add_line(const terminal *to, const char *colour, const char *line)
 {
+    pl_text_buffer text = {0};
+    pl_text_add_plain(&text, line, strlen(line));
     pl_text_add(to->out, to->colour ? colour : "");
-    pl_text_add_plain(to->out, line, to->width);
-    pl_text_add(to->out, to->colour ? plain : "");
+    pl_text_add_folded(to->out, text.data == NULL ? "" : text.data, to->width);
+    pl_text_add(to->out, to->colour && colour[0] != '\0' ? plain : "");
     pl_text_add(to->out, "\n");
+    to->out->failed |= text.failed;
+    pl_text_free(&text);
 }
 
-/* Adds a paragraph, wrapped at blanks; from its second line on it is indented. */
-static void add_wrapped(const terminal *to, const char *paragraph, int indent)
+static void add_text(const terminal *to, const char *line)
 {
-    int column = 0, start = 0;
-    for (const char *word = paragraph; *word != '\0';) {
-        size_t bytes = strcspn(word, " ");
-        char text[300];
-        snprintf(text, sizeof text, "%.*s", (int)bytes, word);
-        if (column > start && column + 1 + pl_text_width(text) > to->width) {
-            pl_text_add(to->out, "\n");
-            pl_text_add_spaces(to->out, indent);
-            column = start = indent;
-        }
-        pl_text_add(to->out, column > start ? " " : "");
-        column += (column > start) + pl_text_add_plain(to->out, text, to->width - start);
-        word += bytes + strspn(word + bytes, " ");
-    }
-    pl_text_add(to->out, "\n");
+    add_line(to, "", line);
 }
 
 /* Adds the runs of our own engine that are not accurate. */
@@ -57,7 +47,7 @@ static void add_our_findings(const pl_engine_findings *findings, const terminal 
     if (findings->our_count == 0) {
         return;
     }
-    add_wrapped(to, findings->our_statement.data, 0);
+    add_text(to, findings->our_statement.data);
     for (int i = 0; i < findings->our_count; ++i) {
         const pl_engine_finding *finding = &findings->ours[i];
         const char *why = pl_cell_why(finding->cell);
@@ -69,15 +59,6 @@ static void add_our_findings(const pl_engine_findings *findings, const terminal 
     }
 }
 
-static bool fits(const pl_table *table, int width)
-{
-    int used = table->indent;
-    for (int k = 0; k < table->column_count; ++k) {
-        used += (k > 0 ? GAP : 0) + pl_table_width(table, k);
-    }
-    return used <= width;
-}
-
 /* The counts of more than one case; of one the table is above. */
 static void add_verdicts(const pl_verdict_counts *verdicts, const terminal *to)
 {
@@ -87,19 +68,11 @@ static void add_verdicts(const pl_verdict_counts *verdicts, const terminal *to)
     pl_table table = pl_verdict_counts_table(verdicts);
     pl_text_add(to->out, "\n");
     add_line(to, bold, "Verdicts");
-    add_wrapped(to, verdicts->order.data, 0);
-    table.indent = GAP;
+    add_text(to, verdicts->order.data);
+    table.indent = INDENT;
     table.colour = to->colour;
-    for (int i = 0; i < verdicts->count && !fits(&table, to->width); ++i) {
-        pl_text_buffer line = {0};
-        pl_verdict_count_text(&verdicts->items[i], &line);
-        add_wrapped(to, line.failed ? "" : line.data, 4);
-        to->out->failed |= line.failed;
-        pl_text_free(&line);
-    }
-    if (fits(&table, to->width)) {
-        pl_table_write(&table, PL_TABLE_TEXT, to->out);
-    }
+    table.line_width = to->width;
+    pl_table_write(&table, PL_TABLE_TEXT, to->out);
     pl_table_free(&table);
 }
 
@@ -109,7 +82,7 @@ static void add_losses(const pl_losses *losses, const terminal *to)
         return;
     }
     add_line(to, bold, "Where plumb loses");
-    add_wrapped(to, losses->statement.data, 0);
+    add_text(to, losses->statement.data);
     for (int i = 0; i < losses->count && i < SHOWN_LOSSES; ++i) {
         const pl_loss *loss = &losses->items[i];
         char metric[PL_LOSS_TEXT_SIZE], ours[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
@@ -134,9 +107,9 @@ static void add_engines(const pl_result_matrix *matrix, const terminal *to)
     add_line(to, bold, "Engines");
     for (int i = 0; i < matrix->column_count; ++i) {
         pl_text_buffer line = {0};
-        pl_text_format(&line, "%s %s: ", matrix->columns[i].name, matrix->columns[i].version);
+        pl_text_format(&line, "  %s %s: ", matrix->columns[i].name, matrix->columns[i].version);
         pl_conformance_text(matrix, i, &line);
-        add_wrapped(to, line.data == NULL ? "" : line.data, 4);
+        add_text(to, line.data == NULL ? "" : line.data);
         to->out->failed |= line.failed;
         pl_text_free(&line);
     }
@@ -150,20 +123,20 @@ static void add_findings(const pl_engine_findings *findings, const terminal *to)
     }
     pl_text_add(to->out, "\n");
     add_line(to, bold, "Findings");
-    add_wrapped(to, findings->statement.data, 0);
+    add_text(to, findings->statement.data);
     if (findings->adapters.length > 0) {
-        add_wrapped(to, findings->adapters.data, 0);
-        add_wrapped(to, findings->read_back.data, 0);
-        add_wrapped(to, findings->origin.data, 0);
+        add_text(to, findings->adapters.data);
+        add_text(to, findings->read_back.data);
+        add_text(to, findings->origin.data);
     }
     for (int i = 0; i < findings->count; ++i) {
         const pl_engine_finding *finding = &findings->items[i];
         char error[PL_FINDING_TEXT_SIZE], line[1600];
         const char *cause = NULL, *evidence = NULL;
         pl_engine_finding_texts(finding, error, &cause, &evidence);
-        snprintf(line, sizeof line, "%.250s, %.250s: %s: %s", finding->test_case->name,
+        snprintf(line, sizeof line, "  %.250s, %.250s: %s: %s", finding->test_case->name,
                  finding->column->name, error, cause);
-        add_wrapped(to, line, 4);
+        add_text(to, line);
     }
 }
 
@@ -173,7 +146,7 @@ static void add_run(const pl_column *column, const pl_cell *cell, pl_table *tabl
     pl_table_add(table, column->name);
     for (int k = 0; k < NUMBER_COLUMNS; ++k) {
         char text[PL_METRIC_TEXT_SIZE];
-        pl_metric_text(&cell->metrics[shown[k]], text);
+        pl_metric_spread_text(&cell->metrics[shown[k]], text);
         pl_table_add(table, run ? text : pl_no_number);
     }
     char verdict[PL_CELL_VERDICT_SIZE];
@@ -185,37 +158,31 @@ static void add_run(const pl_column *column, const pl_cell *cell, pl_table *tabl
     pl_table_style(table, pl_cell_style(cell), NULL);
 }
 
-/* Where the line is too narrow, iterations are left out first, then penetration; then names are
- * cut. */
-static void fit_width(const terminal *to, pl_table *table)
+/* The largest number of repeats that a number shown is the median of. */
+static int most_repeats(const pl_result_matrix *matrix)
 {
-    static const int dropped_first[] = {3, 2};
-    const int longest = pl_table_width(table, 0);
-    int left = to->width - 2 * GAP - VERDICT_WIDTH;
-    for (int k = 1; k <= NUMBER_COLUMNS; ++k) {
-        left -= GAP + pl_table_width(table, k);
+    int most = 0;
+    for (int i = 0; i < matrix->case_count * matrix->column_count; ++i) {
+        const pl_cell *cell =
+            &matrix->cases[i / matrix->column_count].cells[i % matrix->column_count];
+        for (int k = 0; k < NUMBER_COLUMNS && cell->result != NULL; ++k) {
+            const int count = cell->metrics[shown[k]].count;
+            most = count > most ? count : most;
+        }
     }
-    for (int i = 0; i < 2 && left < longest && left < 14; ++i) {
-        left += GAP + pl_table_width(table, dropped_first[i]);
-        pl_table_set_width(table, dropped_first[i], 0, -1);
-    }
-    left = longest < left ? longest : left;
-    left = left < LEAST_NAME ? LEAST_NAME : left;
-    pl_table_set_width(table, 0, left, left);
-    table->line_width = to->width;
+    return most;
 }
 
 /* Adds a heading for each case, and a line for each engine below it. */
 static void add_cases(const pl_result_matrix *matrix, const terminal *to)
 {
-    pl_table table = {.indent = GAP, .colour = to->colour};
+    pl_table table = {.indent = INDENT, .line_width = to->width, .colour = to->colour};
     pl_table_columns(&table, "engine|>error|>penetration|>iterations|>time/step|verdict");
     for (int i = 0; i < matrix->case_count; ++i) {
         for (int k = 0; k < matrix->column_count; ++k) {
             add_run(&matrix->columns[k], &matrix->cases[i].cells[k], &table);
         }
     }
-    fit_width(to, &table);
     for (int i = 0; i < matrix->case_count; ++i) {
         const pl_case *test_case = &matrix->cases[i];
         const char *title = test_case->catalogue == NULL ? NULL : test_case->catalogue->title;
@@ -234,6 +201,16 @@ static void add_cases(const pl_result_matrix *matrix, const terminal *to)
         pl_table_write(&table, PL_TABLE_TEXT, to->out);
     }
     pl_table_free(&table);
+    const int repeats = most_repeats(matrix);
+    if (repeats > 1) {
+        char line[200];
+        snprintf(line, sizeof line,
+                 "Each number is the median of %d repeats. ± is the median distance of the repeats "
+                 "from it; it is left out where all are equal.",
+                 repeats);
+        pl_text_add(to->out, "\n");
+        add_text(to, line);
+    }
 }
 
 void pl_report_print_table(FILE *out, const json_t *results, bool colour, int width)
@@ -241,7 +218,8 @@ void pl_report_print_table(FILE *out, const json_t *results, bool colour, int wi
     pl_report report;
     pl_text_buffer text = {0};
     pl_error error = {PL_OK, ""};
-    const terminal to = {.out = &text, .colour = colour, .width = width < 40 ? 40 : width};
+    const terminal to = {
+        .out = &text, .colour = colour, .width = width < PL_LEAST_WINDOW ? PL_LEAST_WINDOW : width};
     if (pl_report_build(results, &report, &error) == PL_OK) {
         add_losses(&report.losses, &to);
         add_our_findings(&report.findings, &to);

@@ -115,14 +115,3 @@ pl_table pl_verdict_counts_table(const pl_verdict_counts *counts)
     }
     return table;
 }
-
-void pl_verdict_count_text(const pl_verdict_count *item, pl_text_buffer *out)
-{
-    pl_text_format(out, "%s:", item->column->name);
-    for (int k = 0; k < COLUMN_COUNT; ++k) {
-        const int runs = value_of(item, (count_column)k);
-        if (k <= FAILED || runs > 0) {
-            pl_text_format(out, "%s %d %s", k == 0 ? "" : ",", runs, headings[k]);
-        }
-    }
-}

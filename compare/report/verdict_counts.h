@@ -34,7 +34,4 @@ void pl_verdict_counts_free(pl_verdict_counts *counts);
  * run have a column where some engine has any. The caller frees. */
 pl_table pl_verdict_counts_table(const pl_verdict_counts *counts);
 
-/* Adds the counts of one engine in a line: "ode:quick: 3 accurate, 0 inaccurate, 1 failed". */
-void pl_verdict_count_text(const pl_verdict_count *item, pl_text_buffer *out);
-
 #endif

@@ -1,14 +1,13 @@
 #include "table.h"
 
 #include "array.h"
+#include "folding.h"
+#include "table_text.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const char GAP[] = "  ", RESET[] = "\033[0m", FAINT[] = "\033[2m";
 
 void pl_table_free(pl_table *table)
 {
@@ -93,16 +92,6 @@ void pl_table_columns(pl_table *table, const char *headings)
     }
 }
 
-void pl_table_set_width(pl_table *table, int column, int least, int most)
-{
-    if (column < table->column_count) {
-        pl_table_heading *heading = &table->headings[column];
-        heading->hidden = most < 0;
-        heading->least = least;
-        heading->most = most > 0 ? most : 0;
-    }
-}
-
 void pl_table_add(pl_table *table, const char *text)
 {
     const size_t offset = table->texts.length;
@@ -170,13 +159,6 @@ void pl_table_style(pl_table *table, const char *style, const char *title)
     }
 }
 
-int pl_table_rows(const pl_table *table)
-{
-    return table->texts.failed || table->column_count == 0
-               ? 0
-               : table->cell_count / table->column_count;
-}
-
 /* ---- Writing ---- */
 
 /* What a call to pl_table_write uses. */
@@ -184,28 +166,8 @@ typedef struct writer {
     const pl_table *table;
     pl_table_format format;
     pl_text_buffer *out;
-    int *width; /* (column_count) in text and padded Markdown */
+    int *width; /* (column_count) in padded Markdown */
 } writer;
-
-static const char *text_at(const pl_table *table, size_t offset)
-{
-    return table->texts.data + offset;
-}
-
-/* The text of a heading (row -1) or a cell; NULL inside a span. */
-static const char *text_of(const pl_table *table, int row, int column)
-{
-    if (row < 0) {
-        return text_at(table, table->headings[column].text);
-    }
-    const pl_table_cell *cells = &table->cells[row * table->column_count];
-    for (int k = 0; k < column; ++k) {
-        if (cells[k].is_span) {
-            return NULL;
-        }
-    }
-    return text_at(table, cells[column].text);
-}
 
 static const pl_table_cell *cell_of(const pl_table *table, int row, int column)
 {
@@ -223,81 +185,18 @@ static int count_bars(const char *text)
     return count;
 }
 
-static int column_width(const pl_table *table, int column, bool is_markdown)
+/* Of padded Markdown. */
+static int column_width(const pl_table *table, int column)
 {
-    const pl_table_heading *heading = &table->headings[column];
-    int widest = is_markdown ? 3 : heading->least;
+    int widest = 3;
     for (int row = -1; row < pl_table_rows(table); ++row) {
-        const char *text = text_of(table, row, column);
+        const char *text = pl_table_text(table, row, column);
         if (text != NULL && !cell_of(table, row, column)->is_span) {
-            int width = pl_text_width(text) + (is_markdown ? count_bars(text) : 0);
+            const int width = pl_text_width(text) + count_bars(text);
             widest = width > widest ? width : widest;
         }
     }
-    return !is_markdown && heading->most > 0 && widest > heading->most ? heading->most : widest;
-}
-
-int pl_table_width(const pl_table *table, int column)
-{
-    return pl_table_rows(table) == 0 || table->headings[column].hidden
-               ? 0
-               : column_width(table, column, false);
-}
-
-static const char *colour_of(const char *style)
-{
-    static const char *const colours[][2] = {
-        {"ok", "\033[32m"}, {"poor", "\033[33m"}, {"bad", "\033[31m"}, {"none", "\033[2m"}};
-    for (size_t i = 0; style != NULL && i < sizeof colours / sizeof colours[0]; ++i) {
-        if (strcmp(style, colours[i][0]) == 0) {
-            return colours[i][1];
-        }
-    }
-    return "";
-}
-
-static void write_text_row(const writer *w, int row)
-{
-    const pl_table *table = w->table;
-    int last = table->column_count - 1;
-    while (last > 0 && table->headings[last].hidden) {
-        --last;
-    }
-    pl_text_add_spaces(w->out, table->indent);
-    if (table->colour && row < 0) {
-        pl_text_add(w->out, FAINT);
-    }
-    int used = table->indent;
-    for (int k = 0; k <= last; ++k) {
-        const pl_table_cell *cell = cell_of(table, row, k);
-        const char *text = text_of(table, row, k);
-        if (text == NULL) {
-            break;
-        }
-        if (table->headings[k].hidden && !cell->is_span) {
-            continue;
-        }
-        const bool is_end = k == last || cell->is_span;
-        const bool is_right = table->headings[k].align == PL_RIGHT && !cell->is_span;
-        const int limit = !is_end                 ? w->width[k]
-                          : table->line_width > 0 ? table->line_width - used
-                          : cell->is_span         ? INT_MAX
-                                                  : w->width[k];
-        const char *colour = table->colour ? colour_of(cell->style) : "";
-        if (is_right) {
-            pl_text_add_spaces(w->out, w->width[k] - pl_text_width(text));
-        }
-        pl_text_add(w->out, colour);
-        const int added = pl_text_add_plain(w->out, text, limit);
-        pl_text_add(w->out, colour[0] != '\0' ? RESET : "");
-        if (!is_end) {
-            pl_text_add_spaces(w->out, is_right ? 0 : w->width[k] - added);
-            pl_text_add(w->out, GAP);
-        }
-        used += w->width[k] + (int)strlen(GAP);
-    }
-    pl_text_add(w->out, table->colour && row < 0 ? RESET : "");
-    pl_text_add(w->out, "\n");
+    return widest;
 }
 
 /* A cell of padded Markdown, in which only a bar would break the table. */
@@ -330,7 +229,7 @@ static void write_markdown_row(const writer *w, int row)
 {
     const pl_table *table = w->table;
     for (int k = 0; k < table->column_count; ++k) {
-        const char *text = text_of(table, row, k);
+        const char *text = pl_table_text(table, row, k);
         text = text == NULL ? "" : text;
         pl_text_add(w->out, "| ");
         if (w->format == PL_TABLE_MARKDOWN_PADDED) {
@@ -352,7 +251,7 @@ static void write_csv_row(const writer *w, int row)
 {
     const pl_table *table = w->table;
     for (int k = 0; k < table->column_count; ++k) {
-        const char *text = text_of(table, row, k);
+        const char *text = pl_table_text(table, row, k);
         pl_text_add(w->out, k == 0 ? "" : ",");
         pl_text_add_csv(w->out, text == NULL ? "" : text);
     }
@@ -365,7 +264,7 @@ static void write_html_row(const writer *w, int row)
     pl_text_add(w->out, row < 0 ? "<thead><tr>" : "<tr>");
     for (int k = 0; k < table->column_count; ++k) {
         const pl_table_cell *cell = cell_of(table, row, k);
-        const char *text = text_of(table, row, k);
+        const char *text = pl_table_text(table, row, k);
         if (text == NULL) {
             break;
         }
@@ -378,7 +277,7 @@ static void write_html_row(const writer *w, int row)
                            number[0] != '\0' && style[0] != '\0' ? " " : "", style);
         }
         if (cell->title != 0) {
-            pl_text_add_element(w->out, " title=\"", text_at(table, cell->title), "\"");
+            pl_text_add_element(w->out, " title=\"", table->texts.data + cell->title, "\"");
         }
         if (cell->is_span && k + 1 < table->column_count) {
             pl_text_format(w->out, " colspan=\"%d\"", table->column_count - k);
@@ -397,8 +296,7 @@ static void write_html_row(const writer *w, int row)
 static void write_rows(const writer *w, int first, int last)
 {
     static void (*const write_row[])(const writer *w,
-                                     int row) = {[PL_TABLE_TEXT] = write_text_row,
-                                                 [PL_TABLE_MARKDOWN] = write_markdown_row,
+                                     int row) = {[PL_TABLE_MARKDOWN] = write_markdown_row,
                                                  [PL_TABLE_MARKDOWN_PADDED] = write_markdown_row,
                                                  [PL_TABLE_CSV] = write_csv_row,
                                                  [PL_TABLE_HTML] = write_html_row};
@@ -419,14 +317,17 @@ void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffe
     if (table->first >= last && format != PL_TABLE_CSV) {
         return;
     }
+    if (format == PL_TABLE_TEXT) {
+        pl_table_write_text(table, table->first, last, out);
+        return;
+    }
     int *width = calloc((size_t)table->column_count, sizeof *width);
     if (width == NULL) {
         out->failed = true;
         return;
     }
-    const bool is_markdown = format == PL_TABLE_MARKDOWN_PADDED;
-    for (int k = 0; k < table->column_count && (is_markdown || format == PL_TABLE_TEXT); ++k) {
-        width[k] = column_width(table, k, is_markdown);
+    for (int k = 0; k < table->column_count && format == PL_TABLE_MARKDOWN_PADDED; ++k) {
+        width[k] = column_width(table, k);
     }
     const writer w = {.table = table, .format = format, .out = out, .width = width};
     pl_text_add(out, format == PL_TABLE_HTML ? "<div class=\"scroll\"><table>\n" : "");
@@ -438,10 +339,11 @@ void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffe
     free(width);
 }
 
-void pl_table_print(const pl_table *table, pl_table_format format, FILE *out)
+void pl_table_print(pl_table *table, FILE *out)
 {
     pl_text_buffer text = {0};
-    pl_table_write(table, format, &text);
+    table->line_width = pl_window_width(out);
+    pl_table_write(table, PL_TABLE_TEXT, &text);
     fputs(text.failed ? "out of memory for a table\n" : text.data == NULL ? "" : text.data, out);
     pl_text_free(&text);
 }

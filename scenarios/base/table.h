@@ -30,12 +30,10 @@ typedef enum pl_table_format {
 /* Where the cells of a column stand. In HTML, cells of PL_RIGHT have the class "n". */
 typedef enum pl_table_align { PL_LEFT, PL_RIGHT } pl_table_align;
 
-/* The heading of a column, with its alignment and width. */
+/* The heading of a column, with its alignment. */
 typedef struct pl_table_heading {
     size_t text; /* offset in texts */
     pl_table_align align;
-    int least, most; /* width in text, in code points; most = 0: no limit */
-    bool hidden;     /* left out of text, where the line is too narrow for it */
 } pl_table_heading;
 
 /* A cell of a table. */
@@ -57,7 +55,8 @@ typedef struct pl_table {
     int first, last;      /* the rows to write, [first, last); last = 0: all. A table with no row to
                            * write is left out, except as CSV */
     int indent;           /* text: spaces before each line */
-    int line_width;       /* text: the last column is cut so that lines fit; 0: no limit */
+    int line_width;       /* text: a wider table is folded to it (table_text.h); 0: no limit */
+    int keys;             /* text: the first columns that name a row; 0 counts as 1 */
     bool colour;          /* text: colours by style, by escape sequences */
     const char *line_end; /* CSV: "\r\n" where it is NULL */
     const char *caption;  /* HTML: what the table shows; NULL: none */
@@ -76,10 +75,6 @@ void pl_table_column(pl_table *table, pl_table_align align, const char *heading,
 /* Adds the columns of a list of headings, "engine|outcome|>time, s": separated by bars; a '>'
  * before a heading aligns its column to the right. A unit follows its heading after a comma. */
 void pl_table_columns(pl_table *table, const char *headings);
-
-/* Sets the least and the largest width of a column in text; most = 0 means no limit, and hidden
- * columns have most < 0. */
-void pl_table_set_width(pl_table *table, int column, int least, int most);
 
 /* Adds the next cell, with this text. */
 void pl_table_add(pl_table *table, const char *text);
@@ -108,15 +103,15 @@ void pl_table_style(pl_table *table, const char *style, const char *title);
 /* Complete rows; 0 when memory ran out. */
 int pl_table_rows(const pl_table *table);
 
-/* The width of a column in text: of its widest cell over all rows or its heading, within the limits
- * that were set. 0 for a hidden column. */
-int pl_table_width(const pl_table *table, int column);
+/* The text of a cell, or of a heading (row -1); NULL for a cell that a span covers. Valid until the
+ * next change of the table. */
+const char *pl_table_text(const pl_table *table, int row, int column);
 
 /* Appends the table to `out`. Columns of text are as wide as all rows need, so that parts of one
  * table line up. */
 void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffer *out);
 
-/* Writes the table to a stream, or a message that memory ran out. */
-void pl_table_print(const pl_table *table, pl_table_format format, FILE *out);
+/* Writes the table as text that fits the window of a stream, or a message that memory ran out. */
+void pl_table_print(pl_table *table, FILE *out);
 
 #endif

@@ -183,8 +183,7 @@ void pl_text_add_numbers(pl_text_buffer *out, const double *values, int count)
     pl_text_add(out, "]");
 }
 
-/* Bytes of the code point that starts at `c`, never past the terminating zero. */
-static size_t code_point_length(const char *c)
+size_t pl_code_point_length(const char *c)
 {
     size_t length = 1;
     while (((unsigned char)c[length] & 0xc0) == 0x80) {
@@ -196,36 +195,27 @@ static size_t code_point_length(const char *c)
 int pl_text_width(const char *text)
 {
     int count = 0;
-    for (; *text != '\0'; text += code_point_length(text)) {
+    for (; *text != '\0'; text += pl_code_point_length(text)) {
         ++count;
     }
     return count;
 }
 
-int pl_text_add_plain(pl_text_buffer *out, const char *text, int columns)
+int pl_text_add_plain(pl_text_buffer *out, const char *text, size_t length)
 {
-    const int total = pl_text_width(text);
-    int kept = total <= columns ? total : columns - 1;
-    const char *c = text;
-    for (int i = 0; i < kept; ++i) {
-        size_t length = code_point_length(c);
-        unsigned char first = (unsigned char)c[0];
-        bool is_c1 = first == 0xc2 && length == 2 && (unsigned char)c[1] < 0xa0;
+    int count = 0;
+    for (size_t at = 0, bytes = 0; at < length; at += bytes, ++count) {
+        const char *c = text + at;
+        bytes = pl_code_point_length(c);
+        const unsigned char first = (unsigned char)c[0];
+        const bool is_c1 = first == 0xc2 && bytes == 2 && (unsigned char)c[1] < 0xa0;
         if (first == '\n' || first == '\t') {
             pl_text_add(out, " ");
         } else if (first < 0x20 || first == 0x7f || is_c1) {
             pl_text_add(out, "?");
         } else {
-            pl_text_add_bytes(out, c, length);
+            pl_text_add_bytes(out, c, bytes);
         }
-        c += length;
     }
-    if (kept == total) {
-        return total;
-    }
-    if (columns < 1) {
-        return 0;
-    }
-    pl_text_add(out, "…");
-    return columns;
+    return count;
 }

@@ -58,12 +58,14 @@ void pl_text_add_number(pl_text_buffer *out, double value);
 /* Adds a JSON array of numbers. */
 void pl_text_add_numbers(pl_text_buffer *out, const double *values, int count);
 
-/* Adds text for a terminal. Control characters (C0, DEL, C1) become '?'; newline and tab become a
- * space. At most `columns` code points are added, of which the last is an ellipsis when the text
- * was cut. Returns the number of code points added. */
-int pl_text_add_plain(pl_text_buffer *out, const char *text, int columns);
+/* Adds the first `length` bytes of a text for a terminal. Control characters (C0, DEL, C1) become
+ * '?'; newline and tab become a space. Returns the number of code points added. */
+int pl_text_add_plain(pl_text_buffer *out, const char *text, size_t length);
 
 /* The width of UTF-8 text on a terminal, in code points. */
 int pl_text_width(const char *text);
+
+/* Bytes of the code point that starts at `c`, which is not the terminating zero. */
+size_t pl_code_point_length(const char *c);
 
 #endif

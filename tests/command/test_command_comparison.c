@@ -114,13 +114,13 @@ static void test_members_that_hang_are_rows_of_the_ensemble(void **state)
     const workspace *f = *state;
     plumb_output output =
         call(state, (const char *const[]){"ensemble", f->scene, "--engine", FAULTY ":hang",
-                                          "--engine", FAULTY ":good", "--members", "2", "--timeout",
+                                          "--engine", FAULTY ":good", "--members", "6", "--timeout",
                                           "0.3", "--jobs", "2", "--out", f->out, NULL});
     assert_int_equal(output.code, 0);
     assert_contains(output.out, "faulty:hang");
     json_t *results = NULL;
     assert_int_equal(pl_results_read(f->results, &results, NULL, NULL), PL_OK);
-    assert_int_equal(json_array_size(results), 4);
+    assert_int_equal(json_array_size(results), 12);
     size_t index;
     const json_t *row;
     json_array_foreach(results, index, row)

@@ -71,12 +71,12 @@ fi
 
 # ---- The others go on where one engine cannot be loaded
 both=(--engine ./load-exit0.so --engine ./mine.so --duration 0.1)
-expect 0 'load-exit0.so:default crashed: it called exit\(0\)' threshold slope-threshold "${both[@]}"
+expect 0 'load-exit0.so:default +crashed: it called exit\(0\)' threshold slope-threshold "${both[@]}"
 grep -q 'small:one .*always holds' out || note_failure "threshold: $(cat out)"
 expect 0 'failed: plain run crashed: it called exit\(0\)' metamorphic free-fall --check again "${both[@]}"
 grep -q 'bitwise' out || note_failure "metamorphic: $(cat out)"
-expect 0 'load-exit0.so:default +\| 2 crashed' ensemble falling-cubes --set n=2 --members 2 --converged "${both[@]}"
-grep -q 'small:one@converged *| 2 ok' out || note_failure "ensemble: $(cat out)"
+expect 0 'load-exit0.so:default +7 crashed' ensemble falling-cubes --set n=2 --members 7 --converged "${both[@]}"
+grep -q 'small:one@converged *7 ok' out || note_failure "ensemble: $(cat out)"
 expect 0 'crashed +it called exit\(0\)' sweep free-fall --vary iterations=1,2 "${both[@]}" --out swept
 [[ $(grep -c '"outcome":"ok"' swept/results.jsonl) == 2 ]] || note_failure "sweep: $(cat out)"
 expect 3 'load-exit0.so: it called exit\(0\) while it was loaded' sweep free-fall --vary iterations=1,2 \

@@ -250,6 +250,91 @@ static void test_equal_distributions_differ_by_the_noise_only(void **state)
     assert_close(ks / ks_noise, 1, 0.1, 0);
 }
 
+/* The smallest p of all divisions of evenly spaced values into two equal samples. */
+static double least_p_by_force(int count)
+{
+    double values[MOST], least = 1;
+    for (unsigned chosen = 0; chosen < 1U << (2 * count); ++chosen) {
+        int in_a = 0, in_b = 0;
+        for (int i = 0; i < 2 * count; ++i) {
+            if ((chosen >> i & 1U) != 0 && in_a < count) {
+                values[in_a++] = i;
+            } else if ((chosen >> i & 1U) == 0 && in_b < count) {
+                values[count + in_b++] = i;
+            }
+        }
+        if (in_a + in_b == 2 * count) {
+            least = fmin(least, p_of(values, count, values + count, count));
+        }
+    }
+    return least;
+}
+
+static double least_p(int count)
+{
+    double p = -1;
+    assert_int_equal(pl_permutation_least_p(count, &p, NULL), PL_OK);
+    return p;
+}
+
+static void test_least_p_is_that_of_all_divisions(void **state)
+{
+    (void)state;
+    double ways = 1; /* C(2 count, count) */
+    for (int count = 1; count <= 9; ++count) {
+        ways *= 2.0 * (2 * count - 1) / count;
+        assert_close(least_p(count), 2 / ways, 1e-15, 0);
+        if (count <= 5) {
+            assert_close(least_p(count), least_p_by_force(count), 1e-15, 0);
+        }
+    }
+    for (int count = 10; count <= 14; ++count) {
+        const double draws = least_p(count) * (1 + PL_PERMUTATION_DRAWS);
+        assert_close(draws, nearbyint(draws), 1e-9, 0);
+        assert_true(draws >= 1 - 1e-9 && draws < 8);
+    }
+}
+
+/* The smallest of `tests` corrected p, of which the smallest is that of samples apart. */
+static double least_corrected(int tests, double least)
+{
+    static double p[6000], corrected[6000];
+    for (int i = 0; i < tests; ++i) {
+        p[i] = i == 0 ? least : 1;
+    }
+    assert_int_equal(pl_holm(p, tests, corrected, NULL), PL_OK);
+    return corrected[0];
+}
+
+static int least_count(int tests, double level)
+{
+    int needed = -1;
+    assert_int_equal(pl_permutation_least_count(tests, level, 1, &needed, NULL), PL_OK);
+    return needed;
+}
+
+static void test_least_count_is_the_first_that_suffices(void **state)
+{
+    (void)state;
+    static const double levels[] = {0.05, 0.01};
+    double least[15] = {0};
+    for (int count = 1; count < 15; ++count) {
+        least[count] = least_p(count);
+    }
+    for (int tests = 1; tests < 6000; tests = tests * 4 / 3 + 1) {
+        for (int l = 0; l < 2; ++l) {
+            int first = 0;
+            for (int count = 14; count >= 1; --count) {
+                first = least_corrected(tests, least[count]) < levels[l] ? count : first;
+            }
+            assert_int_equal(least_count(tests, levels[l]), first);
+        }
+    }
+    assert_int_equal(least_count(1, 0.05), 4);
+    assert_int_equal(least_count(7, 0.05), 6);
+    assert_int_equal(least_count(5000, 0.05), 0);
+}
+
 static void test_holm_steps_down(void **state)
 {
     (void)state;
@@ -279,6 +364,8 @@ int main(void)
         cmocka_unit_test(test_p_of_equal_distributions_is_uniform),
         cmocka_unit_test(test_noise_is_the_mean_over_all_splits),
         cmocka_unit_test(test_equal_distributions_differ_by_the_noise_only),
+        cmocka_unit_test(test_least_p_is_that_of_all_divisions),
+        cmocka_unit_test(test_least_count_is_the_first_that_suffices),
         cmocka_unit_test(test_holm_steps_down),
     };
     return cmocka_run_group_tests_name("ensemble statistics", tests, NULL, NULL);

@@ -52,11 +52,59 @@ static void test_noise_is_that_of_the_noisier_ensemble(void **state)
     }
 }
 
+/* Three engines on two cases, with a second setting and a reference of each. All observables have
+ * values on all of them, so that every planned comparison is made. */
+static void test_planned_comparisons_are_those_made(void **state)
+{
+    (void)state;
+    enum { COUNT = 18 };
+    double values[MOST] = {1, 2, 3, 4, 5, 6, 7, 8};
+    pl_ensemble items[COUNT];
+    pl_ensemble_view views[COUNT] = {0};
+    for (int i = 0; i < COUNT; ++i) {
+        const int row = i / 3 % 3;
+        items[i] = (pl_ensemble){.test_case = i / 9,
+                                 .setting = row == 1 ? 1 : 0,
+                                 .configuration = row == 2 ? 3 + i % 3 : i % 3,
+                                 .reference = row == 2};
+        views[i].ensemble = &items[i];
+        for (int k = 0; k < PL_OBSERVABLE_COUNT; ++k) {
+            views[i].observed.samples[k] = (pl_sample){.values = values, .count = 4};
+        }
+    }
+    const pl_ensembles all = {.items = items, .count = COUNT, .members = 8};
+    pl_verdicts verdicts;
+    assert_int_equal(pl_verdicts_reach(views, COUNT, &verdicts, NULL), PL_OK);
+    assert_int_equal(pl_verdicts_planned(&all), verdicts.count);
+    assert_int_equal(verdicts.count, 2 * (15 + 3) * PL_OBSERVABLE_COUNT);
+    pl_verdicts_free(&verdicts);
+}
+
+static void test_too_few_members_are_refused(void **state)
+{
+    (void)state;
+    pl_ensemble items[2] = {{.configuration = 0}, {.configuration = 1}};
+    pl_ensembles all = {.items = items, .count = 2};
+    for (all.members = 2; all.members < 10; ++all.members) {
+        pl_error error = {.message = ""};
+        const pl_status expected = all.members < 6 ? PL_BAD_INPUT : PL_OK;
+        assert_int_equal(pl_verdicts_possible(&all, &error), expected);
+        if (expected != PL_OK) {
+            assert_contains(error.message, "at least 6 are needed for 7 comparisons at 5 %");
+        }
+    }
+    all.members = 2;
+    all.count = 1;
+    assert_int_equal(pl_verdicts_possible(&all, NULL), PL_OK);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_apart_begins_below_five_percent),
         cmocka_unit_test(test_noise_is_that_of_the_noisier_ensemble),
+        cmocka_unit_test(test_planned_comparisons_are_those_made),
+        cmocka_unit_test(test_too_few_members_are_refused),
     };
     return cmocka_run_group_tests_name("ensemble verdict", tests, NULL, NULL);
 }

@@ -41,28 +41,15 @@ static void test_table_as_aligned_text(void **state)
     pl_table table = {.indent = 1};
     fill(&table);
     assert_int_equal(pl_table_rows(&table), 3);
-    assert_int_equal(pl_table_width(&table, 1), 8);
     check_format(&table, PL_TABLE_TEXT,
                  " engine  error, m  to 0.5\n ode|é      0.125  <ok>\n"
                  " b,c            -  <b>no</b>\n none    not run\n");
-    table.line_width = 20;
     table.first = 1;
     table.last = 2;
     table.colour = true;
     check_format(&table, PL_TABLE_TEXT,
-                 " \033[2mengine  error, m  …\033[0m\n b,c            -  \033[31m…\033[0m\n");
-    pl_table_free(&table);
-}
-
-static void test_table_cuts_and_hides_columns(void **state)
-{
-    (void)state;
-    pl_table table = {0};
-    fill(&table);
-    pl_table_set_width(&table, 0, 0, 4);
-    pl_table_set_width(&table, 1, 0, -1);
-    check_format(&table, PL_TABLE_TEXT,
-                 "eng…  to 0.5\node…  <ok>\nb,c   <b>no</b>\nnone  not run\n");
+                 "\033[2m engine  error, m  to 0.5\033[0m\n"
+                 " b,c            -  \033[31m<b>no</b>\033[0m\n");
     pl_table_free(&table);
 }
 
@@ -162,7 +149,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_table_as_aligned_text),
-        cmocka_unit_test(test_table_cuts_and_hides_columns),
         cmocka_unit_test(test_table_as_markdown),
         cmocka_unit_test(test_table_as_csv),
         cmocka_unit_test(test_table_as_html),

@@ -1,7 +1,7 @@
-/* Evaluates an ensemble's runs, and writes the outcome as Markdown and as plumb.ensemble/1. */
+/* Evaluates an ensemble's runs, and writes the outcome as Markdown, as text and as plumb.ensemble/1. */
 #include "ensemble_report.h"
 
-#include "base/table.h"
+#include "base/text_page.h"
 #include "plumb/jitter.h"
 #include "runner/execute.h"
 #include "two_sample.h"
@@ -17,18 +17,10 @@ typedef struct report {
     const pl_ensembles *all;
     pl_ensemble_view *views; /* (all->count) */
     pl_verdicts verdicts;
-    pl_text_buffer text; /* the Markdown */
+    pl_text_page page;
 } report;
 
-/* ---- Markdown ---- */
-
-/* Writes a table with an empty line after it, and frees it. */
-static void end_table(report *r, pl_table *table)
-{
-    pl_table_write(table, PL_TABLE_MARKDOWN_PADDED, &r->text);
-    pl_text_add(&r->text, pl_table_rows(table) > 0 ? "\n" : "");
-    pl_table_free(table);
-}
+/* ---- Summary ---- */
 
 /* "16 ok" or "14 ok, 2 crashed", and how many are missing. */
 static void outcomes_text(const pl_observations *observed, int members, char *text, size_t size)
@@ -73,7 +65,7 @@ static void add_engines(report *r, int test_case)
         pl_table_format_cell(&table, "%d", observed->invariants.fell_through);
         pl_table_format_cell(&table, "%d", observed->invariants.not_finite);
     }
-    end_table(r, &table);
+    pl_text_page_table(&r->page, &table);
 }
 
 /* The mean and the standard deviation of every observable and ensemble. */
@@ -106,7 +98,7 @@ static void add_observables(report *r, int test_case)
             pl_table_format_cell(&table, "%s ± %s%s", mean, deviation, never);
         }
     }
-    end_table(r, &table);
+    pl_text_page_table(&r->page, &table);
 }
 
 /* A distance over its floor; NAN where there is no floor. */
@@ -117,7 +109,7 @@ static double floor_ratio(double value, double floor)
 
 static void add_comparisons(report *r, int test_case)
 {
-    pl_table table = {0};
+    pl_table table = {.keys = 3};
     pl_table_columns(&table, "Observable|Engine A|Engine B|Mean A|Mean B|Energy distance / floor|"
                              "KS|KS / floor|Corrected p|Verdict");
     for (int k = 0; k < PL_OBSERVABLE_COUNT; ++k) {
@@ -138,7 +130,7 @@ static void add_comparisons(report *r, int test_case)
             pl_table_add(&table, c->apart ? "told apart" : "not told apart");
         }
     }
-    end_table(r, &table);
+    pl_text_page_table(&r->page, &table);
 }
 
 static void add_differences(report *r, int test_case)
@@ -153,13 +145,12 @@ static void add_differences(report *r, int test_case)
         if (c->apart) {
             char sentence[512];
             pl_sample_test_sentence(r->views, c, sentence, sizeof sentence);
-            pl_text_format(&r->text, "- %s.\n", sentence);
+            pl_text_page_item(&r->page, "%s.", sentence);
             apart += 1;
         }
     }
     if (tests > 0) {
-        pl_text_format(&r->text, "%s%d of %d comparisons tell the two apart.\n\n",
-                       apart > 0 ? "\n" : "", apart, tests);
+        pl_text_page_paragraph(&r->page, "%d of %d comparisons tell the two apart.", apart, tests);
     }
 }
 
@@ -167,29 +158,43 @@ static void add_differences(report *r, int test_case)
 static void add_title(report *r, const pl_case *test_case)
 {
     const pl_scenario *descriptor = test_case->descriptor;
-    pl_text_format(&r->text, "## %s\n\n", test_case->name);
+    pl_text_buffer params = {0};
     for (int i = 0; descriptor != NULL && i < descriptor->param_count; ++i) {
-        pl_text_format(&r->text, "%s%s = %.6g%s", i == 0 ? "" : ", ", descriptor->params[i].name,
-                       test_case->params[i], i + 1 == descriptor->param_count ? "\n\n" : "");
+        pl_text_format(&params, "%s%s = %.6g", i == 0 ? "" : ", ", descriptor->params[i].name,
+                       test_case->params[i]);
     }
+    pl_text_page_heading(&r->page, 2, "%s", test_case->name);
+    if (params.length > 0) {
+        pl_text_page_paragraph(&r->page, "%s", params.data);
+    }
+    r->page.out->failed |= params.failed;
+    pl_text_free(&params);
 }
 
-static void write_summary(report *r)
+/* Returns the summary, malloc'd, for a terminal of this width, or as Markdown for 0; NULL when out of
+ * memory. */
+static char *summary_text(report *r, int width)
 {
-    pl_text_format(
-        &r->text,
-        "# Ensembles of %d members\n\n"
-        "Every member starts with each body displaced by up to %g of its size along each axis\n"
-        "and turned by up to %g rad, the same for every engine (seed %llu). Horizon: when the\n"
-        "members of one engine lie farther apart than 1 %% of the smallest body. Energy grew:\n"
-        "members in which it rose, in a step or above the start, by more than %g of the\n"
-        "scene's. Fell through: members with a body beyond a plane. Means are followed by the\n"
-        "standard deviation over members.\n\n"
-        "Told apart: p below %g, by permutation of the energy distance, corrected (Holm) over\n"
-        "all %d comparisons. The floor is what two ensembles of the same engine differ by on\n"
-        "the mean, from its split halves: the larger of the two engines'.\n\n",
-        r->all->members, pl_jitter_amplitude, pl_jitter_amplitude,
-        (unsigned long long)r->plan->seed, pl_energy_growth, pl_significance, r->verdicts.count);
+    pl_text_buffer text = {0};
+    r->page = (pl_text_page){.out = &text, .width = width};
+    pl_text_page *page = &r->page;
+    pl_text_page_heading(page, 1, "Ensembles of %d members", r->all->members);
+    pl_text_page_paragraph(
+        page,
+        "Every member starts with each body displaced by up to %g of its size along each axis and "
+        "turned by up to %g rad, the same for every engine (seed %llu). Horizon: when the members "
+        "of one engine lie farther apart than 1 %% of the smallest body. Energy grew: members in "
+        "which it rose, in a step or above the start, by more than %g of the scene's. Fell "
+        "through: members with a body beyond a plane. Means are followed by the standard deviation "
+        "over members.",
+        pl_jitter_amplitude, pl_jitter_amplitude, (unsigned long long)r->plan->seed,
+        pl_energy_growth);
+    pl_text_page_paragraph(
+        page,
+        "Told apart: p below %g, by permutation of the energy distance, corrected (Holm) over all "
+        "%d comparisons. The floor is what two ensembles of the same engine differ by on the mean, "
+        "from its split halves: the larger of the two engines'.",
+        pl_significance, r->verdicts.count);
     for (int p = 0; p < r->all->case_count; ++p) {
         int first = 0;
         while (first < r->all->count && r->all->items[first].test_case != p) {
@@ -203,6 +208,10 @@ static void write_summary(report *r)
             add_comparisons(r, p);
         }
     }
+    if (text.failed) {
+        pl_text_free(&text);
+    }
+    return text.data;
 }
 
 /* ---- plumb.ensemble/1 ---- */
@@ -344,7 +353,7 @@ static json_t *report_json(const report *r)
 
 pl_status pl_ensemble_conclude(const pl_plan *plan, const pl_ensembles *ensembles,
                                const json_t *results, const char *folder, const json_t *before,
-                               pl_ensemble_outcome *outcome, pl_error *error)
+                               int width, pl_ensemble_outcome *outcome, pl_error *error)
 {
     const int members = ensembles->members;
     json_t *by_run = pl_results_by_run(results);
@@ -370,10 +379,11 @@ pl_status pl_ensemble_conclude(const pl_plan *plan, const pl_ensembles *ensemble
         status = pl_verdicts_reach(views, ensembles->count, &r.verdicts, error);
     }
     if (status == PL_OK) {
-        write_summary(&r);
-        *outcome = (pl_ensemble_outcome){
-            .comparisons = r.verdicts.count, .json = report_json(&r), .summary = r.text.data};
-        if (outcome->json == NULL || r.text.failed) {
+        *outcome = (pl_ensemble_outcome){.comparisons = r.verdicts.count,
+                                         .json = report_json(&r),
+                                         .summary = summary_text(&r, 0),
+                                         .text = summary_text(&r, width)};
+        if (outcome->json == NULL || outcome->summary == NULL || outcome->text == NULL) {
             status = pl_fail(error, PL_NO_MEMORY, "out of memory for the outcome");
         }
     }
@@ -390,6 +400,7 @@ void pl_ensemble_outcome_free(pl_ensemble_outcome *outcome)
 {
     json_decref(outcome->json);
     free(outcome->summary);
+    free(outcome->text);
     *outcome = (pl_ensemble_outcome){.json = NULL};
 }
 

@@ -185,6 +185,40 @@ pl_status pl_permutation_p(const pl_pool *pool, double *p, pl_error *error)
     return PL_OK;
 }
 
+pl_status pl_permutation_least_p(int count, double *p, pl_error *error)
+{
+    pl_pool pool;
+    double *values = calloc(2 * (size_t)count, sizeof *values);
+    if (values == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d values", 2 * count);
+    }
+    for (int i = 0; i < 2 * count; ++i) {
+        values[i] = i;
+    }
+    pl_status status = pl_pool_make(values, count, values + count, count, &pool, error);
+    if (status == PL_OK) {
+        status = pl_permutation_p(&pool, p, error);
+        pl_pool_free(&pool);
+    }
+    free(values);
+    return status;
+}
+
+pl_status pl_permutation_least_count(int tests, double level, int count, int *needed,
+                                     pl_error *error)
+{
+    const double least = 1.0 / (1 + PL_PERMUTATION_DRAWS);
+    *needed = 0;
+    for (double p = 1; tests * least < level && *needed == 0; ++count) {
+        const pl_status status = pl_permutation_least_p(count, &p, error);
+        if (status != PL_OK) {
+            return status;
+        }
+        *needed = tests * p < level ? count : 0;
+    }
+    return PL_OK;
+}
+
 pl_status pl_split_half_noise(const double *values, int count, int n, int m, pl_noise *noise,
                               pl_error *error)
 {

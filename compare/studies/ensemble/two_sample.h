@@ -49,6 +49,20 @@ enum {
  * (Phipson and Smyth 2010). Leaves the pool unchanged. */
 pl_status pl_permutation_p(const pl_pool *pool, double *p, pl_error *error);
 
+/* The smallest p that pl_permutation_p gives for two samples of `count` >= 1 different values each:
+ * that of samples of which one lies below the other. No division of the pooled values is farther
+ * apart, because |F - G| is then the largest that there is at every value. Up to 9 values it is
+ * 2 / C(2 count, count), because samples of equal size may change places; above, it is
+ * (1 + hits) / (1 + PL_PERMUTATION_DRAWS), where hits are the draws of that very division. */
+pl_status pl_permutation_least_p(int count, double *p, pl_error *error);
+
+/* Sets *needed to the fewest values, `count` or more, in each of two samples with which one of
+ * `tests` >= 1 such tests can reach a corrected p below `level` at all: with which tests times the
+ * smallest p is below it, because pl_holm multiplies the smallest p by the number of tests. 0: no
+ * number is enough. */
+pl_status pl_permutation_least_count(int tests, double level, int count, int *needed,
+                                     pl_error *error);
+
 /* A sample's own noise. */
 typedef struct pl_noise {
     double energy; /* in the unit of the values */

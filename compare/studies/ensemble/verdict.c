@@ -20,6 +20,41 @@ static bool comparable(const pl_ensemble *a, const pl_ensemble *b)
            (a->setting == b->setting || a->configuration == b->configuration);
 }
 
+int pl_verdicts_planned(const pl_ensembles *ensembles)
+{
+    int pairs = 0;
+    for (int a = 0; a < ensembles->count; ++a) {
+        for (int b = a + 1; b < ensembles->count; ++b) {
+            pairs += comparable(&ensembles->items[a], &ensembles->items[b]);
+        }
+    }
+    return pairs * PL_OBSERVABLE_COUNT;
+}
+
+pl_status pl_verdicts_possible(const pl_ensembles *ensembles, pl_error *error)
+{
+    const int tests = pl_verdicts_planned(ensembles), members = ensembles->members;
+    const double level = 100 * pl_significance;
+    int needed = members;
+    pl_status status = PL_OK;
+    if (tests > 0) {
+        status = pl_permutation_least_count(tests, pl_significance, members, &needed, error);
+    }
+    if (status != PL_OK || needed == members) {
+        return status;
+    }
+    if (needed == 0) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "no number of members is enough for any of %d comparisons to be significant "
+                       "at %g %%: compare fewer scenarios or engines at a time",
+                       tests, level);
+    }
+    return pl_fail(error, PL_BAD_INPUT,
+                   "--members %d: with %d members no difference could be significant; at least %d "
+                   "are needed for %d comparisons at %g %%",
+                   members, members, needed, tests, level);
+}
+
 /* Compares an observable of two ensembles, without the correction. */
 static pl_status compare(const pl_sample *a, const pl_sample *b, pl_sample_test *comparison,
                          pl_error *error)

@@ -37,6 +37,14 @@ typedef struct pl_verdicts {
     int count;
 } pl_verdicts;
 
+/* The comparisons that these ensembles are planned for: of all observables of all pairs that are
+ * compared. After the runs there may be fewer, where no member has a value or all are equal. */
+int pl_verdicts_planned(const pl_ensembles *ensembles);
+
+/* PL_BAD_INPUT where an ensemble has so few members that none of the planned comparisons could come
+ * out significant, whatever the members do; the error says how many are needed. */
+pl_status pl_verdicts_possible(const pl_ensembles *ensembles, pl_error *error);
+
 /* Compares all pairs, and corrects over all of them. The caller frees *verdicts in any case. */
 pl_status pl_verdicts_reach(const pl_ensemble_view *views, int count, pl_verdicts *verdicts,
                             pl_error *error);

@@ -1,6 +1,8 @@
 /* Makes the plain and the transformed runs and grades their agreement; text and JSON output. */
 #include "metamorphic.h"
 
+#include "base/folding.h"
+#include "base/table.h"
 #include "runner/execute.h"
 #include "runner/progress.h"
 #include "transform.h"
@@ -215,40 +217,52 @@ static bool has_numbers(const pl_check_result *result)
     return result->end != PL_GRADE_FAILED && result->end != PL_GRADE_INAPPLICABLE;
 }
 
-static void print_difference(FILE *out, const pl_difference *d, pl_grade grade)
+static void add_difference(pl_table *table, const pl_difference *d, pl_grade grade)
 {
-    fprintf(out, "  %8.1e  %8.1e  %-8s", d->position, d->rotation, pl_grade_name(grade));
+    pl_table_format_cell(table, "%.1e", d->position);
+    pl_table_format_cell(table, "%.1e", d->rotation);
+    pl_table_add(table, pl_grade_name(grade));
 }
 
-static void print_result(FILE *out, const pl_check_result *result)
+static void add_result(pl_table *table, const pl_check_result *result)
 {
-    fprintf(out, "  %-14s", result->check->name);
+    pl_table_add(table, result->check->name);
     if (!has_numbers(result)) {
-        fprintf(out, "  %s: %s\n", pl_grade_name(result->end), result->reason);
+        pl_text_buffer text = {0};
+        pl_text_format(&text, "%s: %s", pl_grade_name(result->end), result->reason);
+        pl_table_add_span(table, text.failed ? "" : text.data);
+        table->texts.failed |= text.failed;
+        pl_text_free(&text);
         return;
     }
-    print_difference(out, &result->agreement.early, result->early);
-    print_difference(out, &result->agreement.end, result->end);
+    add_difference(table, &result->agreement.early, result->early);
+    add_difference(table, &result->agreement.end, result->end);
     if (isnan(result->agreement.passes_at)) {
-        fprintf(out, "  %9s\n", "never");
+        pl_table_add(table, "never");
     } else {
-        fprintf(out, "  %7.3g s\n", result->agreement.passes_at);
+        pl_table_format_cell(table, "%.3g s", result->agreement.passes_at);
     }
 }
 
 void pl_checks_print(FILE *out, const pl_checks_of_run *checks)
 {
     const pl_scene *scene = &checks->run.test_case->scene;
-    fprintf(out, "%s on %s: %d bodies, size %.4g m, %ld steps\n", checks->run.test_case->name,
+    pl_folding folding;
+    FILE *folded = pl_folding_begin(&folding, out);
+    fprintf(folded, "%s on %s: %d bodies, size %.4g m, %ld steps\n", checks->run.test_case->name,
             checks->run.configuration->label, scene->body_count, checks->size,
             pl_scene_steps(scene));
-    fprintf(out, "  %-14s  %-28s  %-28s  %9s\n", "", "at a tenth of the run", "at its end",
-            "1e-6 size");
-    fprintf(out, "  %-14s  %8s  %8s  %-8s  %8s  %8s  %-8s  %9s\n", "check", "m/size", "rad",
-            "verdict", "m/size", "rad", "verdict", "passed at");
+    fprintf(folded, "Differences at a tenth of the run and at its end, and when 1e-6 of the size "
+                    "was passed:\n");
+    pl_folding_end(&folding);
+    pl_table table = {.indent = 2};
+    pl_table_columns(&table, "check|>m/size, at a tenth|>rad, at a tenth|verdict, at a tenth|"
+                             ">m/size, at end|>rad, at end|verdict, at end|>passed at");
     for (int i = 0; i < checks->result_count; ++i) {
-        print_result(out, &checks->results[i]);
+        add_result(&table, &checks->results[i]);
     }
+    pl_table_print(&table, out);
+    pl_table_free(&table);
     fputc('\n', out);
 }
 

@@ -2,6 +2,7 @@
 #include "benchmark.h"
 
 #include "adapters/contact_problems.h"
+#include "base/folding.h"
 #include "base/statistics.h"
 #include "engines/process.h"
 #include "engines/registry.h"
@@ -421,11 +422,10 @@ static pl_status write_text(const char *directory, const char *suffix, char *tex
 
 static pl_status write_all(const char *directory, const json_t *result, pl_error *error)
 {
-    char *markdown = pl_benchmark_markdown(result);
-    if (markdown != NULL) {
-        fputs(markdown, stdout);
-    }
-    pl_status status = write_text(directory, "md", markdown, error);
+    char *text = pl_benchmark_text(result, pl_window_width(stdout));
+    fputs(text == NULL ? "" : text, stdout);
+    free(text);
+    pl_status status = write_text(directory, "md", pl_benchmark_text(result, 0), error);
     if (status == PL_OK) {
         status = write_text(directory, "csv", pl_benchmark_csv(result), error);
     }

@@ -60,9 +60,10 @@ pl_status pl_benchmark_run(const pl_benchmark_problem *entries, int count, const
 
 /* ---- Reports ---- */
 
-/* The whole result ("plumb.solver_benchmark/1") as malloc'd Markdown, NULL when out of memory. It
- * begins with the levels that were not reached and with the solvers slower than the first. */
-char *pl_benchmark_markdown(const json_t *result);
+/* The whole result ("plumb.solver_benchmark/1") as malloc'd text for a terminal of this width, or as
+ * Markdown for 0; NULL when out of memory. It begins with the levels that were not reached and with
+ * the solvers slower than the first. */
+char *pl_benchmark_text(const json_t *result, int width);
 
 /* The whole result as malloc'd CSV, NULL when out of memory. It has a row per level of every
  * solver and start. */

@@ -1,5 +1,5 @@
-/* The solver benchmark's result as Markdown and as CSV. */
-#include "base/table.h"
+/* The solver benchmark's result as Markdown, as text and as CSV. */
+#include "base/text_page.h"
 #include "benchmark.h"
 #include "results/result.h"
 
@@ -54,18 +54,11 @@ static const json_t *find_cell(const json_t *problem, const char *solver, const 
     return NULL;
 }
 
-/* Writes a Markdown table, and frees it. */
-static void end_table(pl_table *table, pl_text_buffer *out)
-{
-    pl_table_write(table, PL_TABLE_MARKDOWN_PADDED, out);
-    pl_table_free(table);
-}
-
 /* ---- Levels that were not reached ---- */
 
-static void put_unreached(pl_text_buffer *out, const json_t *problems)
+static void put_unreached(pl_text_page *page, const json_t *problems)
 {
-    pl_table table = {0};
+    pl_table table = {.keys = 3};
     pl_table_columns(&table, "problem|start|solver|level, m/s|stopped by|residual, m/s");
     for (size_t i = 0; i < json_array_size(problems); ++i) {
         const json_t *problem = json_array_get(problems, i);
@@ -95,11 +88,11 @@ static void put_unreached(pl_text_buffer *out, const json_t *problems)
         }
     }
     const int rows = pl_table_rows(&table);
-    pl_text_add(out,
-                "## Not reached\n\nThe first level that a solver missed; smaller ones were not "
-                "tried.\n\n");
-    end_table(&table, out);
-    pl_text_format(out, "\n%d cells.\n", rows);
+    pl_text_page_heading(page, 2, "Not reached");
+    pl_text_page_paragraph(page,
+                           "The first level that a solver missed; smaller ones were not tried.");
+    pl_text_page_table(page, &table);
+    pl_text_page_paragraph(page, "%d cells.", rows);
 }
 
 /* ---- Each solver against the baseline ---- */
@@ -141,7 +134,7 @@ static int compare_losses(const void *left, const void *right)
     return (a->ratio < b->ratio) - (a->ratio > b->ratio);
 }
 
-static void put_slower(pl_text_buffer *out, const json_t *problems)
+static void put_slower(pl_text_page *page, const json_t *problems)
 {
     loss *losses = calloc(json_array_size(problems) * (size_t)setup_count() + 1, sizeof *losses);
     int count = 0;
@@ -159,15 +152,14 @@ static void put_slower(pl_text_buffer *out, const json_t *problems)
         }
     }
     if (losses == NULL) {
-        out->failed = true;
+        page->out->failed = true;
         return;
     }
     qsort(losses, (size_t)count, sizeof *losses, compare_losses);
-    pl_text_format(out,
-                   "\n## Slower than %s\n\nCPU time over that of %s, where both reached the "
-                   "level.\n\n",
-                   baseline(), baseline());
-    pl_table table = {0};
+    pl_text_page_heading(page, 2, "Slower than %s", baseline());
+    pl_text_page_paragraph(page, "CPU time over that of %s, where both reached the level.",
+                           baseline());
+    pl_table table = {.keys = 3};
     pl_table_columns(&table, "problem|start|solver|level, m/s|times as long");
     for (int i = 0; i < count; ++i) {
         pl_table_add(&table, losses[i].problem);
@@ -176,14 +168,14 @@ static void put_slower(pl_text_buffer *out, const json_t *problems)
         pl_table_format_cell(&table, "%g", losses[i].at.tolerance);
         pl_table_format_cell(&table, "%.2f", losses[i].ratio);
     }
-    end_table(&table, out);
-    pl_text_format(out, "\n%d cells.\n", count);
+    pl_text_page_table(page, &table);
+    pl_text_page_paragraph(page, "%d cells.", count);
     free(losses);
 }
 
-static void put_means(pl_text_buffer *out, const json_t *problems)
+static void put_means(pl_text_page *page, const json_t *problems)
 {
-    pl_table table = {.missing = ""};
+    pl_table table = {.missing = "", .keys = 3};
     pl_table_columns(&table, "solver|start|level, m/s|iterations|CPU time|both|only it");
     pl_table_column(&table, PL_LEFT, "only %s", baseline());
     for (int s = 0; s < setup_count(); ++s) {
@@ -213,37 +205,41 @@ static void put_means(pl_text_buffer *out, const json_t *problems)
         pl_table_format_cell(&table, "%d", only);
         pl_table_format_cell(&table, "%d", missed);
     }
-    pl_text_format(
-        out,
-        "\n## Geometric means against %s\n\nOver the problems where both reached the "
-        "level and had something to do; how many these are, and how many only one of the "
-        "two reached. Below 1 is better than %s.\n\n",
-        baseline(), baseline());
-    end_table(&table, out);
+    pl_text_page_heading(page, 2, "Geometric means against %s", baseline());
+    pl_text_page_paragraph(
+        page,
+        "Over the problems where both reached the level and had something to do; how many these "
+        "are, and how many only one of the two reached. Below 1 is better than %s.",
+        baseline());
+    pl_text_page_table(page, &table);
 }
 
 /* ---- All cells ---- */
 
-static void put_problem(pl_text_buffer *out, const json_t *problem)
+static void put_problem(pl_text_page *page, const json_t *problem)
 {
-    pl_text_format(out, "\n### %s%s\n\n", pl_json_get_text(problem, "name"),
-                   json_is_true(json_object_get(problem, "held_out")) ? " (held out)" : "");
+    pl_text_page_heading(page, 3, "%s%s", pl_json_get_text(problem, "name"),
+                         json_is_true(json_object_get(problem, "held_out")) ? " (held out)" : "");
     if (pl_json_get_text(problem, "error")[0] != '\0') {
-        pl_text_format(out, "Not captured: %s\n", pl_json_get_text(problem, "error"));
+        pl_text_page_paragraph(page, "Not captured: %s", pl_json_get_text(problem, "error"));
         return;
     }
-    pl_text_add(out, pl_json_get_text(problem, "scenario"));
+    pl_text_buffer what = {0};
+    pl_text_add(&what, pl_json_get_text(problem, "scenario"));
     const json_t *settings = json_object_get(problem, "settings");
     for (size_t i = 0; i < json_array_size(settings); ++i) {
-        pl_text_format(out, " %s", json_string_value(json_array_get(settings, i)));
+        pl_text_format(&what, " %s", json_string_value(json_array_get(settings, i)));
     }
-    pl_text_format(out,
-                   ", seed %.0f, step %.0f: %.0f bodies, %.0f manifolds, %.0f points; residual "
-                   "%.3g m/s warm, %.3g cold\n\n",
-                   number(problem, "seed"), number(problem, "step"), number(problem, "bodies"),
-                   number(problem, "manifolds"), number(problem, "points"),
-                   number(problem, "warm_residual"), number(problem, "cold_residual"));
-    pl_table table = {0};
+    pl_text_page_paragraph(
+        page,
+        "%s, seed %.0f, step %.0f: %.0f bodies, %.0f manifolds, %.0f points; residual %.3g m/s "
+        "warm, %.3g cold",
+        what.failed ? "" : what.data, number(problem, "seed"), number(problem, "step"),
+        number(problem, "bodies"), number(problem, "manifolds"), number(problem, "points"),
+        number(problem, "warm_residual"), number(problem, "cold_residual"));
+    page->out->failed |= what.failed;
+    pl_text_free(&what);
+    pl_table table = {.keys = 2};
     pl_table_columns(&table, "solver|start");
     for (int k = 0; k < PL_BENCHMARK_LEVELS; ++k) {
         pl_table_column(&table, PL_LEFT, "to %g m/s", pl_benchmark_levels[k]);
@@ -263,7 +259,7 @@ static void put_problem(pl_text_buffer *out, const json_t *problem)
             }
         }
     }
-    end_table(&table, out);
+    pl_text_page_table(page, &table);
 }
 
 /* The text of a buffer, malloc'd; NULL when out of memory. */
@@ -275,23 +271,24 @@ static char *text_of(pl_text_buffer *buffer)
     return buffer->data;
 }
 
-char *pl_benchmark_markdown(const json_t *result)
+char *pl_benchmark_text(const json_t *result, int width)
 {
     pl_text_buffer out = {0};
+    pl_text_page page = {.out = &out, .width = width};
     const json_t *problems = json_object_get(result, "problems");
-    pl_text_format(
-        &out,
-        "# Solver benchmark\n\n%zu contact problems captured from plumb:accurate, solved "
-        "again by every solver, each level a solve of its own. The residual is the "
-        "largest natural map over all contact points, in m/s. CPU times are medians of "
-        "up to 9 repeats, one thread, on %s.\n\n",
+    pl_text_page_heading(&page, 1, "Solver benchmark");
+    pl_text_page_paragraph(
+        &page,
+        "%zu contact problems captured from plumb:accurate, solved again by every solver, each "
+        "level a solve of its own. The residual is the largest natural map over all contact "
+        "points, in m/s. CPU times are medians of up to 9 repeats, one thread, on %s.",
         json_array_size(problems), pl_json_get_text(json_object_get(result, "host"), "cpu"));
-    put_unreached(&out, problems);
-    put_slower(&out, problems);
-    put_means(&out, problems);
-    pl_text_add(&out, "\n## All problems\n");
+    put_unreached(&page, problems);
+    put_slower(&page, problems);
+    put_means(&page, problems);
+    pl_text_page_heading(&page, 2, "All problems");
     for (size_t i = 0; i < json_array_size(problems); ++i) {
-        put_problem(&out, json_array_get(problems, i));
+        put_problem(&page, json_array_get(problems, i));
     }
     return text_of(&out);
 }

@@ -1,6 +1,8 @@
 /* Bisection of critical values by rounds of isolated runs; text and JSON output. */
 #include "threshold.h"
 
+#include "base/folding.h"
+#include "base/table.h"
 #include "runner/progress.h"
 
 #include <math.h>
@@ -312,60 +314,64 @@ json_t *pl_threshold_json(const pl_plan *plan, const pl_threshold_search *search
     return row;
 }
 
-static void print_head(FILE *out, const pl_plan *plan, const pl_threshold_search *search, int width)
+static void print_head(FILE *out, const pl_plan *plan, const pl_threshold_search *search)
 {
     const pl_scenario *scenario = plan->cases[search->test_case].descriptor;
     const pl_threshold *t = scenario->threshold;
     const pl_param *param = &scenario->params[search->param];
     const bool plain = strcmp(param->unit, "1") == 0;
     const double critical = critical_value(plan, search);
-    fprintf(out, "%s: critical %s%s%s, searched from %g to %g, holds %s it\n", scenario->name,
+    pl_folding folding;
+    FILE *folded = pl_folding_begin(&folding, out);
+    fprintf(folded, "%s: critical %s%s%s, searched from %g to %g, holds %s it\n", scenario->name,
             t->param, plain ? "" : ", ", plain ? "" : param->unit, t->low, t->high,
             t->holds_below ? "below" : "above");
     if (isnan(critical)) {
-        fprintf(out, "  no closed form\n");
+        fprintf(folded, "  no closed form\n");
     } else {
-        fprintf(out, "  closed form: %.9g = %s\n", critical, t->formula);
+        fprintf(folded, "  closed form: %.9g = %s\n", critical, t->formula);
     }
-    fprintf(out, "  %-*s %14s %10s %12s %12s %5s\n", width, "engine", "value", "+-", "error",
-            "relative", "runs");
+    pl_folding_end(&folding);
 }
 
-static void print_row(FILE *out, const pl_plan *plan, const pl_threshold_search *search, int width)
+static void add_row(pl_table *table, const pl_plan *plan, const pl_threshold_search *search)
 {
     const double value = value_of(search), critical = critical_value(plan, search);
-    fprintf(out, "  %-*s ", width, plan->configurations[search->configuration].label);
+    const double error = value - critical;
+    pl_table_add(table, plan->configurations[search->configuration].label);
     if (isnan(value)) {
-        fprintf(out, "%s", outcome_of(search));
-        if (search->reason[0] != '\0') {
-            fprintf(out, ": %s", search->reason);
-        }
-        fprintf(out, " (%d %s)\n", search->runs, search->runs == 1 ? "run" : "runs");
+        const char *reason = search->reason;
+        pl_text_buffer text = {0};
+        pl_text_format(&text, "%s%s%s (%d %s)", outcome_of(search), reason[0] != '\0' ? ": " : "",
+                       reason, search->runs, search->runs == 1 ? "run" : "runs");
+        pl_table_add_span(table, text.failed ? "" : text.data);
+        table->texts.failed |= text.failed;
+        pl_text_free(&text);
         return;
     }
-    fprintf(out, "%14.9g %10.2g", value, (search->bisection.high - search->bisection.low) / 2);
-    if (isnan(critical)) {
-        fprintf(out, " %12s %12s", "-", "-");
-    } else {
-        fprintf(out, " %12.2e %12.2e", value - critical, (value - critical) / critical);
-    }
-    fprintf(out, " %5d\n", search->runs);
+    pl_table_number(table, value, 9);
+    pl_table_number(table, (search->bisection.high - search->bisection.low) / 2, 2);
+    pl_table_format_cell(table, isnan(critical) ? "-" : "%.2e", error);
+    pl_table_format_cell(table, isnan(critical) ? "-" : "%.2e", error / critical);
+    pl_table_format_cell(table, "%d", search->runs);
 }
 
 void pl_threshold_print(FILE *out, const pl_plan *plan, const pl_threshold_search *searches,
                         int count)
 {
-    int width = (int)strlen("engine"), test_case = -1;
-    for (int i = 0; i < plan->configuration_count; ++i) {
-        int length = (int)strlen(plan->configurations[i].label);
-        width = length > width ? length : width;
-    }
+    pl_table table = {.indent = 2};
+    pl_table_columns(&table, "engine|>value|>±|>error|>relative|>runs");
     for (int i = 0; i < count; ++i) {
-        if (searches[i].test_case != test_case) {
-            test_case = searches[i].test_case;
-            fprintf(out, "%s", i == 0 ? "" : "\n");
-            print_head(out, plan, &searches[i], width);
-        }
-        print_row(out, plan, &searches[i], width);
+        add_row(&table, plan, &searches[i]);
     }
+    for (int i = 0; i < count; i = table.last) {
+        for (table.first = table.last = i;
+             table.last < count && searches[table.last].test_case == searches[i].test_case;) {
+            table.last += 1;
+        }
+        fprintf(out, "%s", i == 0 ? "" : "\n");
+        print_head(out, plan, &searches[i]);
+        pl_table_print(&table, out);
+    }
+    pl_table_free(&table);
 }

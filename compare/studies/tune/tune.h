@@ -75,7 +75,7 @@ pl_status pl_tune(const pl_tune_def *def, pl_tuning *tuning, pl_error *error);
 void pl_tuning_free(pl_tuning *tuning);
 
 /* Prints the settings as a SPEC and in the engine's own API, their costs and their verdicts. */
-void pl_tune_print(FILE *out, const pl_tune_def *def, const pl_tuning *tuning);
+void pl_tune_print(FILE *stream, const pl_tune_def *def, const pl_tuning *tuning);
 
 /* plumb.tuning/1 (SCHEMA.md), with all evaluations; NULL when out of memory. */
 json_t *pl_tune_json(const pl_tune_def *def, const pl_tuning *tuning);

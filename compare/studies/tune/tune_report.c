@@ -1,6 +1,7 @@
 /* The outcome of tuning as text, as JSON and as a profile. */
 #include "tune.h"
 
+#include "base/folding.h"
 #include "results/result.h"
 #include "studies/variant/tunable.h"
 
@@ -291,8 +292,10 @@ static void print_checks(FILE *out, const pl_tune_def *def, const pl_tuning *tun
     }
 }
 
-void pl_tune_print(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
+void pl_tune_print(FILE *stream, const pl_tune_def *def, const pl_tuning *tuning)
 {
+    pl_folding folding;
+    FILE *out = pl_folding_begin(&folding, stream);
     const pl_engine_choice *base = &def->space->base;
     fprintf(out, tuning->met ? "%s:%s, the cheapest found for " : "%s:%s: no settings found meet ",
             base->engine->name, base->engine->profiles[base->profile].name);
@@ -317,4 +320,5 @@ void pl_tune_print(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
                 ? "instructions a step"
                 : "CPU time next to the default settings', in turns (instructions "
                   "are not counted here)");
+    pl_folding_end(&folding);
 }

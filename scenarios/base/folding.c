@@ -1,0 +1,139 @@
+#include "folding.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+int pl_window_width(FILE *out)
+{
+    struct winsize size = {0};
+    const int file = fileno(out);
+    const bool is_terminal = file >= 0 && isatty(file) == 1;
+    const char *columns = getenv("COLUMNS");
+    long width = is_terminal && ioctl(file, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+    if (width == 0 && columns != NULL) {
+        width = strtol(columns, NULL, 10);
+    }
+    if (width <= 0 || width > 10000) {
+        width = is_terminal ? 80 : PL_PIPE_WIDTH;
+    }
+    return width < PL_LEAST_WINDOW ? PL_LEAST_WINDOW : (int)width;
+}
+
+bool pl_window_is_known(FILE *out)
+{
+    const int file = fileno(out);
+    return (file >= 0 && isatty(file) == 1) || getenv("COLUMNS") != NULL;
+}
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\n' || c == '\t';
+}
+
+size_t pl_fold_line(const char *text, int width, size_t *next)
+{
+    size_t at = 0, word = 0, part = 0; /* where the last word, and a part of a word, ended */
+    for (int used = 0; text[at] != '\0' && used < width; ++used) {
+        if (is_blank(text[at]) && at > 0 && !is_blank(text[at - 1])) {
+            word = at;
+        } else if (strchr("_:/,;=@-", text[at]) != NULL) {
+            part = at + 1;
+        }
+        at += pl_code_point_length(text + at);
+    }
+    size_t end = at;
+    if (text[at] != '\0' && !is_blank(text[at])) {
+        end = word > 0 ? word : part > 0 ? part : at;
+    }
+    for (*next = end; is_blank(text[*next]); ++*next) {}
+    for (; end > 0 && is_blank(text[end - 1]); --end) {}
+    return end;
+}
+
+int pl_longest_word(const char *text)
+{
+    int longest = 0, used = 0;
+    for (; *text != '\0'; text += pl_code_point_length(text)) {
+        used = is_blank(*text) ? 0 : used + 1;
+        longest = used > longest ? used : longest;
+    }
+    return longest;
+}
+
+/* Where the further lines of a line start. */
+static int hanging_indent(const char *line, int width)
+{
+    const int blanks = (int)strspn(line, " ");
+    const bool is_item = strncmp(line + blanks, "- ", 2) == 0;
+    int indent = blanks + (blanks > 0 || is_item ? 2 : 0), column = blanks;
+    for (const char *c = line + blanks; *c != '\0' && column < width / 2;) {
+        const int gap = (int)strspn(c, " ");
+        column += gap > 0 ? gap : 1;
+        c += gap > 0 ? (size_t)gap : pl_code_point_length(c);
+        if (gap > 1 && column <= width / 2) {
+            indent = column;
+        }
+    }
+    return indent < width / 2 ? indent : width / 2;
+}
+
+static void add_folded_line(pl_text_buffer *out, const char *line, int width)
+{
+    const size_t blanks = strspn(line, " ");
+    const int hang = hanging_indent(line, width);
+    int indent = (int)blanks < width / 2 ? (int)blanks : width / 2;
+    size_t next = 0;
+    for (const char *rest = line + blanks; *rest != '\0'; rest += next) {
+        const size_t length = pl_fold_line(rest, width - indent, &next);
+        pl_text_add_spaces(out, indent);
+        pl_text_add_plain(out, rest, length);
+        pl_text_add(out, rest[next] == '\0' ? "" : "\n");
+        indent = hang;
+    }
+}
+
+void pl_text_add_folded(pl_text_buffer *out, const char *text, int width)
+{
+    for (const char *line = text; *line != '\0';) {
+        const size_t length = strcspn(line, "\n");
+        pl_text_buffer copy = {0};
+        pl_text_add_bytes(&copy, line, length);
+        if (copy.data != NULL && pl_text_width(copy.data) > width) {
+            add_folded_line(out, copy.data, width);
+        } else {
+            pl_text_add_plain(out, line, length);
+        }
+        out->failed |= copy.failed;
+        pl_text_free(&copy);
+        pl_text_add(out, line[length] == '\n' ? "\n" : "");
+        line += length + (line[length] == '\n');
+    }
+}
+
+FILE *pl_folding_begin(pl_folding *folding, FILE *out)
+{
+    *folding = (pl_folding){.out = out};
+    folding->in = open_memstream(&folding->text, &folding->length);
+    return folding->in == NULL ? out : folding->in;
+}
+
+void pl_folding_end(pl_folding *folding)
+{
+    if (folding->in == NULL) {
+        return;
+    }
+    pl_text_buffer folded = {0};
+    const bool complete = fclose(folding->in) == 0;
+    if (complete) {
+        pl_text_add_folded(&folded, folding->text, pl_window_width(folding->out));
+    }
+    fputs(!complete || folded.failed ? "out of memory for text\n"
+          : folded.data == NULL      ? ""
+                                     : folded.data,
+          folding->out);
+    pl_text_free(&folded);
+    free(folding->text);
+    *folding = (pl_folding){.out = NULL};
+}
