@@ -173,7 +173,7 @@ static bool write_line(const layout *l, int row, int count)
         if (l->rest[k] == NULL) {
             break;
         }
-        const int width = cell_of(l, row, k)->is_span ? left : l->width[k];
+        const int width = cell_of(l, row, k)->is_span ? larger(1, left) : l->width[k];
         spaces = write_part(l, row, k, width, spaces);
         left -= width + GAP;
         is_left = is_left || l->rest[k][0] != '\0';
