@@ -70,6 +70,8 @@ common_packages() {
     need libjansson-dev has_module jansson
     need libccd-dev has_module ccd
     need libqhull-dev has_module qhull_r
+    need zlib1g-dev has_module zlib
+    command -v npm >/dev/null || need esbuild command -v esbuild
     want libsuitesparse-dev test -e /usr/include/suitesparse/amd.h
     want libnlopt-dev has_module nlopt
     want libode-dev has_module ode

@@ -5,6 +5,7 @@
 #include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
+#include "runner/recording.h"
 #include "studies/iterations/iterations_to_tolerance.h"
 
 #include <stdlib.h>
@@ -13,7 +14,8 @@
 typedef struct options {
     pl_request request;
     int repeats;
-    bool tolerance; /* --iterations-to-tolerance */
+    bool tolerance;     /* --iterations-to-tolerance */
+    bool no_recordings; /* --no-recordings */
 } options;
 
 /* What the callbacks of runs need. */
@@ -69,12 +71,13 @@ static pl_status deliver(const options *o, json_t *results, pl_error *error)
 
 /* The searches first, because a row is written whole; then the runs of the plan. */
 static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store, json_t *provenance,
-                         int *signal_number, pl_error *error)
+                         const char *recordings, int *signal_number, pl_error *error)
 {
     keeper k = {.store = store, .plan = plan};
     pl_execution_def execution = {.plan = plan,
                                   .jobs = o->request.jobs,
                                   .limits = o->request.limits,
+                                  .recordings = recordings,
                                   .provenance = provenance,
                                   .progress = stderr,
                                   .user = &k,
@@ -111,6 +114,25 @@ static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store,
     return status;
 }
 
+/* Makes the folder of recordings, whose path the caller frees; NULL: none are asked for. Those of an
+ * earlier comparison, whose results are replaced, are removed. */
+static pl_status prepare_recordings(const options *o, char **folder, pl_error *error)
+{
+    char *path = NULL;
+    if (asprintf(&path, "%s/recordings", o->request.out) < 0) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    if (!o->request.resume) {
+        pl_recordings_remove(path);
+    }
+    if (o->no_recordings) {
+        free(path);
+        return PL_OK;
+    }
+    *folder = path;
+    return pl_make_directories(path, error);
+}
+
 /* Runs what is due and delivers. */
 static int execute(const pl_call *call, const options *o, const pl_plan *plan)
 {
@@ -122,9 +144,14 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     pl_status status = provenance == NULL
                            ? PL_NO_MEMORY
                            : pl_store_open(o->request.out, o->request.resume, &store, &error);
+    char *recordings = NULL;
     if (status == PL_OK) {
-        status = run_all(o, plan, store, provenance, &signal_number, &error);
+        status = prepare_recordings(o, &recordings, &error);
     }
+    if (status == PL_OK) {
+        status = run_all(o, plan, store, provenance, recordings, &signal_number, &error);
+    }
+    free(recordings);
     if (status == PL_OK && signal_number != 0) {
         pl_call_interrupted(call, json_array_size(pl_store_results(store)), o->request.out);
     } else if (status == PL_OK) {
@@ -169,6 +196,8 @@ static const pl_option OPTIONS[] = {
      "Also find that metric (see plumb list metrics), with up to 20 more runs of each case "
      "on each engine that has an option iterations",
      PL_OPTION_FLAG, .field = offsetof(options, tolerance)},
+    {"no-recordings", NULL, "Do not record the runs: the page then has neither replay nor curves",
+     PL_OPTION_FLAG, .field = offsetof(options, no_recordings)},
     {"suite", NULL,
      "All scenarios of a suite (repeatable; default canonical when no scenario is named)",
      .kind = PL_OPTION_HELP},

@@ -229,6 +229,11 @@ pl_ending pl_referee_step(pl_referee *r, const pl_step_observation *seen, pl_err
     return conclude(r, ending, error);
 }
 
+double pl_referee_penetration(const pl_referee *referee)
+{
+    return pl_touching_deepest(referee->touching);
+}
+
 /* ---- Metrics ---- */
 
 static pl_metric foreign_contact(const pl_referee *r)

@@ -42,6 +42,9 @@ typedef struct pl_step_observation {
  * it, with the reason in `error` (NULL allowed). */
 pl_ending pl_referee_step(pl_referee *referee, const pl_step_observation *seen, pl_error *error);
 
+/* The deepest overlap of the last frame, m. */
+double pl_referee_penetration(const pl_referee *referee);
+
 /* Writes all metrics, except those that the runner measures, into *metrics. Returns PL_ENDING_OK,
  * or PL_ENDING_COLLAPSED with the reason in `error`. After an early end, metrics of the final
  * state are PL_METRIC_FAILED with the reason "the run ended at step N of M", maxima and means are

@@ -2,6 +2,7 @@
 
 #include "isolated_run.h"
 #include "progress.h"
+#include "recording.h"
 #include "results/run_verdict.h"
 
 #include <errno.h>
@@ -17,7 +18,9 @@ typedef struct slot {
     bool busy;
     pl_isolated_run run;
     char *positions; /* path, or NULL */
-    pl_scene built;  /* of a deferred case */
+    char *recording; /* path of the raw file, or NULL */
+    const pl_scene *scene;
+    pl_scene built; /* of a deferred case */
 } slot;
 
 typedef struct execution {
@@ -83,12 +86,19 @@ char *pl_positions_path(const char *folder, const char *run)
     return asprintf(&path, "%s/%s.positions", folder, run) < 0 ? NULL : path;
 }
 
-/* Chooses the path where the slot's run writes its positions, if it does. */
-static pl_status place_positions(const execution *e, slot *s, const json_t *identity,
-                                 pl_error *error)
+/* Chooses the paths where the slot's run writes its positions and its recording, if it does. */
+static pl_status place_files(const execution *e, slot *s, const json_t *identity, pl_error *error)
 {
     free(s->positions);
-    s->positions = NULL;
+    free(s->recording);
+    s->positions = s->recording = NULL;
+    if (e->def->recordings != NULL) {
+        s->recording =
+            pl_recording_path(e->def->recordings, pl_json_get_text(identity, "run"), true);
+        if (s->recording == NULL) {
+            return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
+        }
+    }
     if (e->def->positions != NULL) {
         s->positions = pl_positions_path(e->def->positions, pl_json_get_text(identity, "run"));
         if (s->positions == NULL) {
@@ -158,7 +168,7 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
         e->next += 1;
         if (!done) {
             const pl_scene *scene = NULL;
-            status = place_positions(e, free_slot, identity, error);
+            status = place_files(e, free_slot, identity, error);
             if (status == PL_OK) {
                 status = place_scene(e, free_slot, planned.test_case, &scene, error);
             }
@@ -167,6 +177,7 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
                               .choice = choice,
                               .trajectory = e->def->trajectory,
                               .positions = free_slot->positions,
+                              .recording = free_slot->recording,
                               .capture = e->def->capture};
             if (status == PL_OK && choice->engine->fault.is_fault) {
                 status = report_fault(e, &choice->engine->fault, scene, identity, error);
@@ -174,6 +185,7 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
                 status =
                     pl_isolated_run_start(&free_slot->run, &run, identity, &e->def->limits, error);
             }
+            free_slot->scene = scene;
             free_slot->busy = status == PL_OK && !choice->engine->fault.is_fault;
             e->busy += free_slot->busy;
         }
@@ -192,7 +204,13 @@ static pl_status finish(execution *e, slot *ended, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    status = hand_on(e, result, seconds, error);
+    if (ended->recording != NULL) {
+        status = pl_recording_finish(e->def->recordings, pl_json_get_text(result, "run"),
+                                     ended->scene, error);
+    }
+    if (status == PL_OK) {
+        status = hand_on(e, result, seconds, error);
+    }
     json_decref(result);
     return status;
 }
@@ -318,8 +336,12 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
     for (int i = 0; i < def->jobs; ++i) {
         if (e.slots[i].busy) {
             pl_isolated_run_cancel(&e.slots[i].run);
+            if (e.slots[i].recording != NULL) {
+                unlink(e.slots[i].recording);
+            }
         }
         free(e.slots[i].positions);
+        free(e.slots[i].recording);
         pl_scene_free(&e.slots[i].built);
     }
     if (def->bar == NULL && e.bar != NULL) {

@@ -7,6 +7,7 @@
 #include "base/array.h"
 #include "parameter_check.h"
 #include "positions.h"
+#include "recording.h"
 #include "referee/referee.h"
 #include "reported_values.h"
 #include "resource_usage.h"
@@ -28,6 +29,7 @@ typedef struct run {
     int time_capacity;
     int contact_capacity;
     pl_positions_writer positions;
+    pl_recorder recorder;
 } run;
 
 /* `user` is the run's watch. */
@@ -121,18 +123,35 @@ static pl_status prepare(run *r, pl_error *error)
     if (status == PL_OK && r->def->positions != NULL) {
         status = pl_positions_create(r->def->positions, scene, &r->positions, error);
     }
+    if (status == PL_OK && r->def->recording != NULL) {
+        status = pl_recorder_create(r->def->recording, scene, &r->recorder, error);
+    }
     return status;
 }
 
 /* Hands the new frame to those who keep it. */
-static pl_status record_frame(run *r, long step, pl_error *error)
+static pl_status record_frame(run *r, long step, const pl_step_stats *stats, int contact_count,
+                              pl_error *error)
 {
+    const bool has_impulses =
+        contact_count >= 0 && (r->session.loaded.table.contacts & PL_CONTACTS_IMPULSES) != 0;
+    const pl_recorded_step seen = {.step = step,
+                                   .frame = &r->frame,
+                                   .contacts = r->contacts,
+                                   .contact_count = contact_count,
+                                   .has_impulses = has_impulses,
+                                   .penetration = pl_referee_penetration(r->referee),
+                                   .iterations = stats == NULL ? (double)NAN : stats->iterations,
+                                   .residual = stats == NULL ? (double)NAN : stats->residual};
     pl_status status = PL_OK;
     if (r->def->trajectory != NULL) {
         status = write_frame(r->def->trajectory, r->def->scene, &r->frame, error);
     }
     if (status == PL_OK) {
         status = pl_positions_write(&r->positions, step, &r->frame, error);
+    }
+    if (status == PL_OK) {
+        status = pl_recorder_step(&r->recorder, &seen, error);
     }
     return status;
 }
@@ -190,7 +209,7 @@ static pl_status begin(run *r, pl_run_result *result, bool *going, pl_error *err
     /* The first frame belongs to no step, and time_read is a step's. */
     r->session.cost[PL_CALLS_READ] = (pl_call_cost){.cpu_time = 0};
     *going = true;
-    status = record_frame(r, 0, error);
+    status = record_frame(r, 0, NULL, -1, error);
     swap_frames(r);
     return status;
 }
@@ -263,7 +282,7 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
                                       .has_points_alone = !has_impulses && count > 0,
                                       .cpu_time = cost.cpu_time};
     pl_ending ending = pl_referee_step(r->referee, &seen, &fault);
-    status = record_frame(r, result->steps_done, error);
+    status = record_frame(r, result->steps_done, &stats, count, error);
     if (ending == PL_ENDING_NONFINITE || ending == PL_ENDING_DIVERGED) {
         *going = false;
         set_outcome(result,
@@ -371,6 +390,7 @@ pl_status pl_run_once(const pl_run_def *def,
 cleanup:
     pl_call_timer_close(&r.session.timer);
     pl_positions_end(&r.positions);
+    pl_recorder_end(&r.recorder);
     pl_referee_destroy(r.referee);
     free(r.frame.bodies);
     free(r.good.bodies);

@@ -133,6 +133,11 @@ int pl_touching_island(pl_touching *t, int body)
     return root_of(t->both, body);
 }
 
+double pl_touching_deepest(const pl_touching *t)
+{
+    return t->deepest;
+}
+
 double pl_touching_depth(const pl_touching *t, int body)
 {
     return t->depths[body] + t->last_depths[body];

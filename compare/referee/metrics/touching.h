@@ -39,6 +39,9 @@ int pl_touching_island(pl_touching *touching, int body);
 /* The sum of the depths of a body's overlaps in the frames before and after the last step, m. */
 double pl_touching_depth(const pl_touching *touching, int body);
 
+/* The deepest overlap of the last frame, m. */
+double pl_touching_deepest(const pl_touching *touching);
+
 /* Whether a body flew through the last step: it met no other, neither in the frame before nor in the
  * frame after. */
 bool pl_touching_flew(const pl_touching *touching, int body);

@@ -1,0 +1,155 @@
+/* The raw file is a sequence of records in the byte order of the machine. A frame is 'F', the step,
+ * the poses of the dynamic bodies, the number of contacts (-1: none are reported), and of each contact
+ * its point, depth and force. A point of the curves is 'C', the step and the values. A run that ends
+ * early leaves whole records, but for the last. */
+#include "recording.h"
+
+#include "plumb/vec.h"
+#include "recording_file.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { MOST_FRAMES = 300, MOST_BUCKETS = 250, MOST_RAW_BYTES = 64 << 20 };
+
+static long stride_of(long steps, long most)
+{
+    return steps <= most ? 1 : (steps + most - 1) / most;
+}
+
+pl_status pl_recorder_create(const char *path, const pl_scene *scene, pl_recorder *recorder,
+                             pl_error *error)
+{
+    const long steps = pl_scene_steps(scene);
+    size_t bytes = 64;
+    for (int i = 0; i < scene->body_count; ++i) {
+        /* With about four contacts of five numbers each. */
+        bytes += scene->bodies[i].is_static ? 0 : (7 + 4 * 5) * sizeof(float);
+    }
+    const long fitting = (long)((size_t)MOST_RAW_BYTES / bytes);
+    *recorder =
+        (pl_recorder){.path = path,
+                      .scene = scene,
+                      .stride = stride_of(steps, fitting < MOST_FRAMES ? fitting + 1 : MOST_FRAMES),
+                      .bucket = stride_of(steps, MOST_BUCKETS)};
+    const size_t sample = (7 * (size_t)scene->body_count + 1) * sizeof *recorder->sample;
+    recorder->sample = malloc(sample);
+    if (recorder->sample == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
+    }
+    memset(recorder->sample, 0xff, sample); /* resident before the engine is created */
+    recorder->file = fopen(path, "we");
+    if (recorder->file == NULL || fwrite(PL_RAW_MAGIC, 8, 1, recorder->file) != 1 ||
+        fflush(recorder->file) != 0) {
+        return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+    }
+    return PL_OK;
+}
+
+static void write_contacts(pl_recorder *r, const pl_recorded_step *seen)
+{
+    const int32_t count = seen->contact_count;
+    fwrite(&count, sizeof count, 1, r->file);
+    for (int i = 0; i < count; ++i) {
+        const pl_contact *c = &seen->contacts[i];
+        const double force =
+            seen->has_impulses ? pl_vec_length(pl_vec_of(c->impulse)) / r->scene->dt : (double)NAN;
+        const float numbers[5] = {(float)c->point[0], (float)c->point[1], (float)c->point[2],
+                                  (float)-c->separation, (float)force};
+        fwrite(numbers, sizeof numbers, 1, r->file);
+    }
+}
+
+static void write_frame(pl_recorder *r, const pl_recorded_step *seen)
+{
+    const int64_t step = seen->step;
+    size_t next = 0;
+    for (int i = 0; i < r->scene->body_count; ++i) {
+        const pl_body_state *state = &seen->frame->bodies[i];
+        for (int k = 0; k < 7 && !r->scene->bodies[i].is_static; ++k) {
+            r->sample[next++] = (float)(k < 3 ? state->position[k] : state->orientation[k - 3]);
+        }
+    }
+    fputc('F', r->file);
+    fwrite(&step, sizeof step, 1, r->file);
+    fwrite(r->sample, sizeof *r->sample, next, r->file);
+    write_contacts(r, seen);
+}
+
+/* Adds a step to the open bucket: the energies of its last step, and the largest of the others. */
+static void add_curves(pl_recorder *r, const pl_recorded_step *seen)
+{
+    double value[PL_CURVE_COUNT];
+    pl_curves_of(r->scene, seen->frame->bodies, seen->contacts,
+                 seen->has_impulses ? seen->contact_count : -1, value);
+    value[PL_CURVE_PENETRATION] = seen->penetration;
+    value[PL_CURVE_ITERATIONS] = seen->iterations;
+    value[PL_CURVE_RESIDUAL] = seen->residual;
+    for (int k = 0; k < PL_CURVE_COUNT; ++k) {
+        const bool is_last = k == PL_CURVE_KINETIC_ENERGY || k == PL_CURVE_ENERGY;
+        r->value[k] = r->first == 0 || is_last ? value[k] : fmax(r->value[k], value[k]);
+    }
+    r->first = r->first == 0 ? seen->step : r->first;
+}
+
+static void write_curves(pl_recorder *r, long last)
+{
+    const int64_t step = last;
+    fputc('C', r->file);
+    fwrite(&step, sizeof step, 1, r->file);
+    fwrite(r->value, sizeof r->value, 1, r->file);
+    r->first = 0;
+}
+
+pl_status pl_recorder_step(pl_recorder *r, const pl_recorded_step *seen, pl_error *error)
+{
+    if (r->file == NULL) {
+        return PL_OK;
+    }
+    const bool is_last = seen->step == pl_scene_steps(r->scene);
+    if (seen->step % r->stride == 0 || is_last) {
+        write_frame(r, seen);
+    }
+    add_curves(r, seen);
+    if (seen->step % r->bucket == 0 || is_last) {
+        write_curves(r, seen->step);
+    }
+    return fflush(r->file) == 0 && !ferror(r->file)
+               ? PL_OK
+               : pl_fail(error, PL_IO, "%s: %s", r->path, strerror(errno));
+}
+
+void pl_recorder_end(pl_recorder *recorder)
+{
+    if (recorder->file != NULL) {
+        fclose(recorder->file);
+    }
+    free(recorder->sample);
+    *recorder = (pl_recorder){.file = NULL};
+}
+
+char *pl_recording_path(const char *folder, const char *run, bool raw)
+{
+    char *path = NULL;
+    return asprintf(&path, "%s/%s.%s", folder, run, raw ? "raw" : "json") < 0 ? NULL : path;
+}
+
+void pl_recordings_remove(const char *folder)
+{
+    DIR *directory = opendir(folder);
+    const struct dirent *entry;
+    while (directory != NULL && (entry = readdir(directory)) != NULL) {
+        const char *name = entry->d_name;
+        if (strspn(name, "0123456789abcdef") == 16 &&
+            (strcmp(name + 16, ".json") == 0 || strcmp(name + 16, ".raw") == 0)) {
+            unlinkat(dirfd(directory), name, 0);
+        }
+    }
+    if (directory != NULL) {
+        closedir(directory);
+    }
+}
