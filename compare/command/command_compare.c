@@ -1,6 +1,7 @@
 /* plumb compare: scenarios on engines side by side. Results are appended to DIR/results.jsonl as
  * runs end; the report is made at the end from all results in that file. */
 #include "base/folding.h"
+#include "open_page.h"
 #include "report/report.h"
 #include "request.h"
 #include "results/store.h"
@@ -16,6 +17,7 @@ typedef struct options {
     int repeats;
     bool tolerance;     /* --iterations-to-tolerance */
     bool no_recordings; /* --no-recordings */
+    bool open;          /* --open */
 } options;
 
 /* What the callbacks of runs need. */
@@ -65,6 +67,11 @@ static pl_status deliver(const options *o, json_t *results, pl_error *error)
         size_t count = json_array_size(results);
         fprintf(stderr, "%zu %s and the report are in %s/\n", count,
                 count == 1 ? "result" : "results", o->request.out);
+    }
+    if (status == PL_OK && o->open) {
+        char page[4096];
+        snprintf(page, sizeof page, "%.4000s/index.html", o->request.out);
+        status = pl_open_page(page, error);
     }
     return status;
 }
@@ -198,6 +205,8 @@ static const pl_option OPTIONS[] = {
      PL_OPTION_FLAG, .field = offsetof(options, tolerance)},
     {"no-recordings", NULL, "Do not record the runs: the page then has neither replay nor curves",
      PL_OPTION_FLAG, .field = offsetof(options, no_recordings)},
+    {"open", NULL, "Open the page at the end, as plumb view does", PL_OPTION_FLAG,
+     .field = offsetof(options, open)},
     {"suite", NULL,
      "All scenarios of a suite (repeatable; default canonical when no scenario is named)",
      .kind = PL_OPTION_HELP},

@@ -3,6 +3,7 @@
  * appended to DIR/results.jsonl as runs end. */
 #include "base/array.h"
 #include "base/folding.h"
+#include "report/study_page.h"
 #include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
@@ -104,6 +105,9 @@ static pl_status deliver(const options *o, const pl_ensemble_outcome *outcome, p
     }
     if (status == PL_OK) {
         status = pl_write_text(summary, outcome->summary, strlen(outcome->summary), error);
+    }
+    if (status == PL_OK) {
+        status = pl_study_page_write(o->request.out, "ensemble", outcome->json, error);
     }
     if (status == PL_OK) {
         status = pl_results_write_json(o->request.json, outcome->json, error);

@@ -1,5 +1,7 @@
 /* plumb report: the report of existing results, from any number of files. */
+#include "report/figure.h"
 #include "report/report.h"
+#include "report/study_page.h"
 #include "report/sweep_report.h"
 #include "request.h"
 #include "results/result.h"
@@ -7,6 +9,25 @@
 #include "studies/sweep/shard_merge.h"
 
 #include <stdlib.h>
+#include <string.h>
+
+/* What --format names: one file of the report, or the format of a picture. */
+typedef struct format {
+    const char *name;
+    const char *file; /* NULL: a picture */
+    pl_figure_format picture;
+} format;
+static const format formats[] = {{"html", "index.html", 0},    {"md", "summary.md", 0},
+                                 {"csv", "runs.csv", 0},       {"svg", NULL, PL_FIGURE_SVG},
+                                 {"png", NULL, PL_FIGURE_PNG}, {"pdf", NULL, PL_FIGURE_PDF}};
+enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
+
+typedef struct options {
+    pl_request request;
+    const char *figure; /* --figure; NULL: none */
+    const char *named;  /* --format; NULL: none */
+    const format *format;
+} options;
 
 static bool has_run(const pl_merge *merge, const json_t *result)
 {
@@ -63,10 +84,24 @@ static pl_status analyse(const pl_request *request, const pl_merge *merge, pl_er
     return status;
 }
 
-/* Writes the report of the results, without those of changed scenes: only a sweep asks whether its
- * points hold on them. */
-static pl_status write_report(const pl_request *request, const json_t *results, pl_error *error)
+/* The JSON of a comparison without a reference of its own (plumb.reference/1) next to the results;
+ * NULL: none. */
+static json_t *find_reference(const pl_request *request)
 {
+    json_t *found = NULL;
+    for (int i = 0; i < request->names.count && found == NULL; ++i) {
+        char path[4096];
+        snprintf(path, sizeof path, "%.4000s/reference.json", request->names.items[i]);
+        found = json_load_file(path, 0, NULL);
+    }
+    return found;
+}
+
+/* Writes the report of the results, or a picture, without those of changed scenes: only a sweep asks
+ * whether its points hold on them. */
+static pl_status write_report(const options *o, const json_t *results, pl_error *error)
+{
+    const pl_request *request = &o->request;
     json_t *unchanged = json_array();
     bool failed = unchanged == NULL;
     for (size_t i = 0; i < json_array_size(results) && !failed; ++i) {
@@ -74,21 +109,37 @@ static pl_status write_report(const pl_request *request, const json_t *results, 
         failed =
             json_object_get(result, "change") == NULL && json_array_append(unchanged, result) != 0;
     }
+    json_t *reference = find_reference(request);
     const pl_report_def def = {.directory = request->out,
+                               .only = o->format == NULL ? NULL : o->format->file,
+                               .reference = reference,
                                .results = unchanged,
                                .folders = request->names.items,
                                .folder_count = request->names.count};
+    char *picture = NULL;
     pl_status status = failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a report")
-                              : pl_report_write(&def, error);
+                       : o->figure != NULL
+                           ? pl_figure_write(&def, o->figure, o->format->picture, &picture, error)
+                           : pl_report_write(&def, error);
+    if (picture != NULL && status == PL_OK) {
+        fprintf(stderr, "the picture is in %s\n", picture);
+    }
+    free(picture);
+    json_decref(reference);
     json_decref(unchanged);
     return status;
 }
 
 /* The store is held open while its file is replaced, so that nobody else is writing it. */
-static pl_status deliver(const pl_request *request, const pl_merge *merge, pl_error *error)
+static pl_status deliver(const options *o, const pl_merge *merge, pl_error *error)
 {
+    const pl_request *request = &o->request;
     pl_store *store = NULL;
     char *path = NULL;
+    if (o->format != NULL) {
+        const pl_status made = pl_make_directories(request->out, error);
+        return made == PL_OK ? write_report(o, merge->results, error) : made;
+    }
     if (asprintf(&path, "%s/results.jsonl", request->out) < 0) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory");
     }
@@ -97,7 +148,7 @@ static pl_status deliver(const pl_request *request, const pl_merge *merge, pl_er
         status = check_kept(merge, request->out, store, error);
     }
     if (status == PL_OK) {
-        status = write_report(request, merge->results, error);
+        status = write_report(o, merge->results, error);
     }
     if (status == PL_OK) {
         status = analyse(request, merge, error);
@@ -130,30 +181,79 @@ static void say_counts(const pl_request *request, const pl_merge *merge)
 
 static pl_status check(void *user, pl_error *error)
 {
-    return pl_request_check(user, "name a file or folder of results", NULL, error);
+    options *o = user;
+    const char *names[FORMAT_COUNT];
+    for (int i = 0; i < FORMAT_COUNT; ++i) {
+        names[i] = formats[i].name;
+        if (o->named != NULL && strcmp(o->named, names[i]) == 0) {
+            o->format = &formats[i];
+        }
+    }
+    if (o->named != NULL && o->format == NULL) {
+        char hint[PL_SUGGESTION_SIZE];
+        return pl_fail(error, PL_BAD_INPUT,
+                       "--format: expected html, md, csv, svg, png or pdf, found \"%.40s\"%s",
+                       o->named, pl_did_you_mean(o->named, names, FORMAT_COUNT, hint));
+    }
+    if (o->figure != NULL && o->format == NULL) {
+        o->format = &formats[3];
+    }
+    if ((o->figure != NULL) != (o->format != NULL && o->format->file == NULL)) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       o->figure != NULL ? "--figure makes svg, png or pdf"
+                                         : "svg, png and pdf are for --figure");
+    }
+    return pl_request_check(&o->request, "name a file or folder of results", NULL, error);
+}
+
+/* Whether the only name is the JSON of a study; its page is then written. */
+static bool is_study(const pl_request *request, pl_status *status, pl_error *error)
+{
+    char kind[PL_STUDY_KIND_SIZE];
+    json_t *study = NULL;
+    pl_error unused = {.message = ""};
+    if (request->names.count != 1 ||
+        pl_study_read(request->names.items[0], &study, kind, &unused) != PL_OK) {
+        return false;
+    }
+    *status = pl_make_directories(request->out, error);
+    if (*status == PL_OK) {
+        *status = pl_study_page_write(request->out, kind, study, error);
+    }
+    if (*status == PL_OK) {
+        fprintf(stderr, "the page is in %s/%s.html\n", request->out, kind);
+    }
+    json_decref(study);
+    return true;
 }
 
 static int run(const pl_call *call)
 {
-    pl_request request = pl_request_default();
-    request.out = "report";
-    pl_call_parse(call, &request);
+    options o = {.request = pl_request_default()};
+    o.request.out = "report";
+    pl_call_parse(call, &o);
+    pl_request request = o.request;
     pl_error error = {.message = ""};
     pl_merge merge;
     int code = PL_EXIT_OK;
-    pl_status status = pl_merge_begin(&merge, &error);
+    pl_status status = PL_OK;
+    if (is_study(&request, &status, &error)) {
+        pl_request_free(&request);
+        return status == PL_OK ? code : pl_call_fail(call, &error);
+    }
+    status = pl_merge_begin(&merge, &error);
     for (int i = 0; i < request.names.count && status == PL_OK; ++i) {
         status = pl_merge_add(&merge, request.names.items[i], stderr, &error);
     }
     const bool empty = status == PL_OK && json_array_size(merge.results) == 0;
     if (status == PL_OK && !empty) {
-        status = deliver(&request, &merge, &error);
+        status = deliver(&o, &merge, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
     } else if (empty) {
         code = pl_call_nothing(call, "there are no results");
-    } else {
+    } else if (o.format == NULL) {
         say_counts(&request, &merge);
     }
     pl_merge_free(&merge);
@@ -161,12 +261,25 @@ static int run(const pl_call *call)
     return code;
 }
 
-static const pl_option OPTIONS[] = {{.name = "out",
-                                     .argument = "DIR",
-                                     .help = "Where the report and all results go (default report)",
-                                     .kind = PL_OPTION_TEXT,
-                                     .field = offsetof(pl_request, out)},
-                                    {0}};
+static const pl_option OPTIONS[] = {
+    {.name = "out",
+     .argument = "DIR",
+     .help = "Where the report and all results go (default report)",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, request.out)},
+    {.name = "format",
+     .argument = "FORMAT",
+     .help = "Only this: html, md, csv (a row a run); of --figure svg "
+             "(default), png, pdf",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, named)},
+    {.name = "figure",
+     .argument = "SCENARIO[:t=S]",
+     .help = "Only a picture of a scenario, all engines side by side, "
+             "at the end or at a time; needs Chromium",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, figure)},
+    {0}};
 
 const pl_command pl_command_report = {
     .name = "report",
@@ -178,10 +291,15 @@ const pl_command pl_command_report = {
         "also sweep.html and sweep.json, and prints their tables. RESULTS are files of JSON lines, "
         "or folders with a results.jsonl, and those of shards, shard-*-of-*, next to it. A run "
         "that occurs several times counts once: the first is kept, and copies whose deterministic "
-        "metrics differ are reported.",
+        "metrics differ are reported. Of the JSON of one study (threshold, ensemble, metamorphic, "
+        "solve, "
+        "tune) it writes the page.",
     .notes = "Examples:\n"
              "  plumb report sweep\n"
-             "  plumb report monday/results.jsonl tuesday --out both",
+             "  plumb report monday/results.jsonl tuesday --out both\n"
+             "  plumb report report --format csv --out tables\n"
+             "  plumb report report --figure tower:t=2.5 --format pdf --out pictures\n"
+             "  plumb report threshold.json --out thresholds",
     .options = OPTIONS,
     .check = check,
     .run = run};

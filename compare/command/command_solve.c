@@ -1,6 +1,7 @@
 /* plumb solve PROBLEM.json --solver NAME: one contact problem, solved again. */
 #include "base/folding.h"
 #include "base/table.h"
+#include "report/study_page.h"
 #include "request.h"
 #include "results/result.h"
 #include "results/store.h"
@@ -279,6 +280,20 @@ static int solve(const pl_call *call, const options *o)
     return code;
 }
 
+/* The page of the benchmark, made of its JSON. */
+static pl_status write_page(const char *directory, pl_error *error)
+{
+    char path[4096], kind[PL_STUDY_KIND_SIZE];
+    json_t *study = NULL;
+    snprintf(path, sizeof path, "%.4000s/solver-benchmark.json", directory);
+    pl_status status = pl_study_read(path, &study, kind, error);
+    if (status == PL_OK) {
+        status = pl_study_page_write(directory, kind, study, error);
+    }
+    json_decref(study);
+    return status;
+}
+
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default(),
@@ -292,6 +307,9 @@ static int run(const pl_call *call)
         pl_status status =
             pl_benchmark_run(rows, count, o.request.out == NULL ? "report" : o.request.out,
                              call->program_argc, call->program_argv, &error);
+        if (status == PL_OK) {
+            status = write_page(o.request.out == NULL ? "report" : o.request.out, &error);
+        }
         code = pl_call_end(call, status, &error, 0, PL_EXIT_OK);
     } else {
         code = solve(call, &o);
@@ -315,7 +333,8 @@ static const pl_option OPTIONS[] = {
      .field = offsetof(options, request.json)},
     {"benchmark", NULL, "Capture the problems of the benchmark and run all solvers on them",
      PL_OPTION_FLAG, .field = offsetof(options, benchmark)},
-    {"out", "DIR", "Where --benchmark writes solver-benchmark.md, .csv and .json (default report)",
+    {"out", "DIR",
+     "Where --benchmark writes solver-benchmark.md, .csv, .json and its page (default report)",
      PL_OPTION_TEXT, .field = offsetof(options, request.out)},
     {0}};
 

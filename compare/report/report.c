@@ -166,14 +166,17 @@ static pl_status write_temporary(report_file *file, const char *directory, pl_er
     return PL_OK;
 }
 
-static pl_status write_files(report_file *files, int count, const char *directory, pl_error *error)
+static pl_status write_files(report_file *files, int count, const pl_report_def *def,
+                             pl_error *error)
 {
     pl_status status = PL_OK;
     for (int i = 0; i < count && status == PL_OK; ++i) {
-        status = write_temporary(&files[i], directory, error);
+        if (def->only == NULL || strcmp(def->only, files[i].name) == 0) {
+            status = write_temporary(&files[i], def->directory, error);
+        }
     }
     for (int i = 0; i < count && status == PL_OK; ++i) {
-        if (rename(files[i].temporary, files[i].final) != 0) {
+        if (files[i].written && rename(files[i].temporary, files[i].final) != 0) {
             status = pl_fail(error, PL_IO, "%.300s cannot be replaced: %s", files[i].final,
                              strerror(errno));
         } else {
@@ -242,6 +245,15 @@ static int compare_sizes(const void *left, const void *right)
     return order != 0 ? order : strcmp(a->run, b->run);
 }
 
+/* The length of the folder's name: of a file, that of the folder it is in. */
+static int folder_length(const char *path)
+{
+    struct stat information;
+    const char *slash = strrchr(path, '/');
+    const bool is_folder = stat(path, &information) == 0 && S_ISDIR(information.st_mode);
+    return (int)(is_folder || slash == NULL ? strlen(path) : (size_t)(slash - path));
+}
+
 /* The recordings of the first repeat in each cell, the smallest first. The caller frees. */
 static recording *find_recordings(const pl_report_def *def, const pl_result_matrix *matrix,
                                   int *count)
@@ -255,8 +267,9 @@ static recording *find_recordings(const pl_report_def *def, const pl_result_matr
             recording *next = &found[*count];
             struct stat information;
             for (int f = 0; f < def->folder_count && strlen(run) == 16; ++f) {
-                const int length = snprintf(next->path, sizeof next->path, "%s/recordings/%s.json",
-                                            def->folders[f], run);
+                const int length =
+                    snprintf(next->path, sizeof next->path, "%.*s/recordings/%s.json",
+                             folder_length(def->folders[f]), def->folders[f], run);
                 if (length < (int)sizeof next->path && stat(next->path, &information) == 0) {
                     snprintf(next->run, sizeof next->run, "%s", run);
                     next->size = information.st_size;
@@ -335,7 +348,7 @@ pl_status pl_report_write(const pl_report_def *def, pl_error *error)
         }
     }
     if (status == PL_OK) {
-        status = write_files(files, FILE_COUNT, def->directory, error);
+        status = write_files(files, FILE_COUNT, def, error);
     }
     for (int i = 0; i < FILE_COUNT; ++i) {
         pl_text_free(&files[i].text);

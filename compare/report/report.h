@@ -17,6 +17,7 @@ typedef struct pl_report_def {
     json_t *results;
     const char *const *folders; /* (folder_count) that may have recordings/RUN.json of the runs */
     int folder_count;
+    const char *only;  /* the one file to write; NULL: all */
     json_t *reference; /* plumb.reference/1 of scenes without an expected result; NULL: none */
 } pl_report_def;
 

@@ -96,7 +96,7 @@ function build(element, scene, runs, found, styles, onTime) {
       if (e.key === 'ArrowRight') step(1); else if (e.key === 'ArrowLeft') step(-1);
       else if (e.key === '+' || e.key === '-') { view.zoom *= e.key === '+' ? 1.2 : 1 / 1.2; redraw(); }
     } },
-    end > 0 ? [button, h('button', { type: 'button', title: 'a step back', onclick: () => step(-1) }, '⏮'), h('button', { type: 'button', title: 'a step on', onclick: () => step(1) }, '⏭'), slider, readout, speed] : h('span', { class: 'note' }, 'The runs were not recorded: this is how they ended.'),
+    end > 0 ? [button, h('button', { type: 'button', title: 'a step back', onclick: () => step(-1) }, '‹ step'), h('button', { type: 'button', title: 'a step on', onclick: () => step(1) }, 'step ›'), slider, readout, speed] : h('span', { class: 'note' }, 'The runs were not recorded: this is how they ended.'),
     h('label', { class: 'small' }, showContacts, ' contact points'),
     h('button', { type: 'button', onclick: () => { Object.assign(view, { turn: 0.55, tilt: 0.28, zoom: 1 }); redraw(); } }, 'Reset view')),
     h('div', { class: 'panels' }, panels.map((panel) => h('figure', { class: 'panel' }, panel.canvas, h('figcaption', {}, panel.caption)))),

@@ -9,7 +9,7 @@ const kinds = [
   ['rest_error', 'Position error: farthest body from where it belongs', 'm', true],
   ['penetration', 'Penetration: deepest overlap', 'm', true],
   ['kinetic_energy', 'Kinetic energy', 'J', true],
-  ['energy', 'Total energy, from that of the start on', 'J', false],
+  ['energy', 'Total energy, relative to the start', 'J', false],
   ['iterations', 'Iterations, as the engine reports them', '', false],
   ['residual', 'Residual, as the engine reports it', '', true],
   ['contact_force', 'Contact force, summed over contacts', 'N', false]];
