@@ -2,7 +2,7 @@
 import { h } from './dom.js';
 import { Recording } from './recording.js';
 import { finalPoses } from './replay.js';
-import { Stage, aim, boundsOf, cameraFor, draw, drawSvg } from './scene3d.js';
+import { Stage, aim, boundsAt, boundsOf, cameraFor, draw, drawSvg } from './scene3d.js';
 
 const WIDTH = 320, HEIGHT = 240, CAPTION = 34;
 
@@ -43,7 +43,7 @@ export async function figure(report, main) {
   runs.forEach((run, i) => {
     const stage = new Stage(test.scene, bounds, [null], { instanced: format !== 'svg' });
     stage.place(0, run.poses);
-    aim(camera, bounds, { zoom: 1.1 });
+    aim(camera, boundsAt(bounds, test.scene, run.poses), { zoom: 1.1 });
     const part = picture(stage, camera, format);
     const x = (i % 4) * (WIDTH + 10), y = Math.floor(i / 4) * (HEIGHT + CAPTION + 10);
     const group = document.createElementNS('http://www.w3.org/2000/svg', 'g');

@@ -31,7 +31,8 @@ function contents(parts, inner, innerTitle) {
   const list = h('ol', {}, parts.map((part) => (part === inner[0]
     ? h('li', {}, h('details', { open: window.innerWidth > 900 && inner.length <= 60 }, h('summary', {}, `${innerTitle} (${inner.length})`), h('ol', {}, inner.map(item))))
     : inner.includes(part) ? null : item(part))));
-  document.getElementById('contents').append(list);
+  const wide = window.innerWidth > 900;
+  document.getElementById('contents').append(wide ? list : h('details', {}, h('summary', {}, 'Contents'), list));
 }
 
 function report(all) {

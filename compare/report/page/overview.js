@@ -46,7 +46,7 @@ function matrixCell(test, cell, least) {
     style: decade(test, cell), value: error ?? (cell.style === 'bad' ? Infinity : null),
     title: [cell.verdict, cell.why, `${test.primary_error ?? 'no reference'}: ${cell.metrics.reference_error?.[1] ?? '–'}`, time === null ? '' : `${number(time, 's')} a step`].filter(Boolean).join('\n'),
     children: [h('span', { class: 'mark', 'aria-label': cell.verdict, role: 'img' }, mark), h('span', { class: 'word' }, word || (error === null ? '' : digits(error, 2))),
-      h('small', {}, [said || (word && error !== null ? digits(error, 2) : ''), cost].filter(Boolean).join(' ') || '\u00a0')] };
+      h('small', {}, [said || (word && error !== null ? digits(error, 2) : ''), cost].filter(Boolean).map((text) => h('span', {}, text, ' ')), '\u00a0')] };
 }
 
 function sentences(report) {

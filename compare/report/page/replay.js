@@ -2,7 +2,7 @@
 import { h } from './dom.js';
 import { digits } from './format.js';
 import { Recording } from './recording.js';
-import { Stage, aim, boundsOf, cameraFor, canDraw, draw, depthSteps, errorSteps, sizeOf } from './scene3d.js';
+import { Stage, aim, boundsAt, boundsOf, cameraFor, canDraw, draw, depthSteps, errorSteps, sizeOf } from './scene3d.js';
 
 /* The poses that the run ended with, for runs without a recording; null: none. */
 export function finalPoses(cell, scene) {
@@ -60,8 +60,8 @@ function build(element, scene, runs, found, styles, onTime) {
   const showContacts = h('input', { type: 'checkbox', checked: false });
   const speed = h('select', { 'aria-label': 'speed' }, [0.1, 0.25, 0.5, 1, 2, 4].map((s) => h('option', { value: String(s), selected: s === 1 }, `${s}×`)));
   const redraw = () => {
-    aim(camera, bounds, view);
     for (const panel of panels) {
+      aim(camera, boundsAt(bounds, scene, posesAt(panel.runs[0], time)), view);
       panel.runs.forEach((run, i) => panel.stage.place(i, posesAt(run, time)));
       const single = panel.runs.length === 1 ? panel.runs[0].recording : null;
       if (single !== null || panel.stage.dots) panel.stage.contacts(showContacts.checked && single ? single.contactsAt(time) ?? [] : [], size);
@@ -118,7 +118,7 @@ export function stills(scene, runs) {
     const canvas = h('canvas', { role: 'img', 'aria-label': `how the bodies end: ${run.name}, ${run.label}` });
     const stage = new Stage(scene, bounds, [null]);
     stage.place(0, run.cell.final);
-    aim(camera, bounds, { zoom: 1.15 });
+    aim(camera, boundsAt(bounds, scene, run.cell.final), { zoom: 1.15 });
     draw(canvas, stage, camera, 260);
     stage.dispose();
     return h('figure', { class: 'panel' }, canvas, h('figcaption', {}, h('b', {}, run.name), ` ${run.label}`));

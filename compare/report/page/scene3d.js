@@ -54,15 +54,22 @@ export function boundsOf(scene, runs) {
   (dynamic.length > 0 ? dynamic : moving).forEach((b) => take(b, b.at));
   scene.rests.forEach((r) => take(scene.bodies[r.body], r.at));
   const span = Math.max(...high.map((v, k) => v - low[k]), 1e-3);
+  let seen = 0;
   const far = high.map((v, k) => [low[k] - 0.35 * span, v + 0.35 * span]);
   for (const poses of runs) {
     scene.bodies.forEach((body, i) => {
       const at = poses.slice(7 * i, 7 * i + 3);
-      if (!body.static && at.every((v, k) => v > far[k][0] && v < far[k][1])) take(body, at);
+      if (!body.static && at.every((v, k) => v > far[k][0] && v < far[k][1])) { take(body, at); seen += 1; }
     });
   }
   const centre = low.map((v, k) => (v + high[k]) / 2);
-  return { centre, radius: Math.max(Math.hypot(...high.map((v, k) => v - low[k])) / 2, 1e-6) };
+  return { centre, radius: Math.max(Math.hypot(...high.map((v, k) => v - low[k])) / 2, 1e-6), follow: runs.length > 0 && seen === 0 };
+}
+
+/* The same around the bodies of these poses, where all bodies fly away and the camera goes with them. */
+export function boundsAt(bounds, scene, poses) {
+  const moving = scene.bodies.flatMap((b, i) => (b.static ? [] : [i]));
+  return bounds.follow ? { ...bounds, centre: [0, 1, 2].map((k) => moving.reduce((sum, i) => sum + poses[7 * i + k], 0) / moving.length) } : bounds;
 }
 
 /* A view direction that shows the longest side across: the camera stands at an angle to it. */
