@@ -5,6 +5,9 @@
 
 const double pl_halving_window = 0.1;
 
+/* The last so many halvings count. */
+enum { TRUSTED = 2 };
+
 static const double least_rate = 0.25;
 static const double largest_rate = 0.70710678118654752;
 
@@ -34,26 +37,39 @@ static void windowed_changes(const pl_body_paths *fine, const pl_body_paths *coa
     }
 }
 
+/* The error that is left after the last of `count` changes, which stand `stride` apart, the last one
+ * first. */
+static double remaining(const double *changes, long stride, int count)
+{
+    const double before = count > 1 ? changes[stride] : 0;
+    const double observed = before > 0 ? changes[0] / before : 0.5;
+    const double rate = fmin(fmax(observed, least_rate), largest_rate);
+    double last = changes[0], trust = 1;
+    for (int k = 1; k < count; ++k) {
+        trust *= least_rate;
+        last = fmax(last, trust * changes[k * stride]);
+    }
+    return last * rate / (1 - rate);
+}
+
 pl_status pl_halving_error(const pl_body_paths *levels, int count, double interval, double *error,
                            pl_error *failure)
 {
     const long samples = pl_halving_samples(levels, count);
     const long reach = (long)ceil(pl_halving_window / interval);
     const int bodies = levels[0].bodies;
-    double *changes = calloc(2 * (size_t)samples + 1, sizeof *changes);
+    const int halvings = count - 1 < TRUSTED ? count - 1 : TRUSTED;
+    double *changes = calloc(TRUSTED * (size_t)samples + 1, sizeof *changes);
     if (changes == NULL) {
         return pl_fail(failure, PL_NO_MEMORY, "out of memory for the error of a reference");
     }
     for (int body = 0; body < bodies; ++body) {
-        double *last = changes, *before = changes + samples;
-        windowed_changes(&levels[count - 1], &levels[count - 2], body, samples, reach, last);
-        if (count > 2) {
-            windowed_changes(&levels[count - 2], &levels[count - 3], body, samples, reach, before);
+        for (int k = 0; k < halvings; ++k) {
+            windowed_changes(&levels[count - 1 - k], &levels[count - 2 - k], body, samples, reach,
+                             changes + k * samples);
         }
         for (long i = 0; i < samples; ++i) {
-            const double observed = count > 2 && before[i] > 0 ? last[i] / before[i] : 0.5;
-            const double rate = fmin(fmax(observed, least_rate), largest_rate);
-            error[i * bodies + body] = last[i] * rate / (1 - rate);
+            error[i * bodies + body] = remaining(changes + i, samples, halvings);
         }
     }
     free(changes);

@@ -7,10 +7,11 @@
  * the limit (1911), with the order of convergence p = -log2(r) observed rather than presumed (Roache
  * 1998, section 5.7). For p = 1 it is D_K, for p = 2 a third of D_K.
  *
- * Both changes are the largest within pl_halving_window of the time in question: the changes of two
+ * Each change is the largest within pl_halving_window of the time in question: the changes of two
  * paths that cross vanish for a moment, and the time of an impact moves from one sample to the
- * next. The rate is held within [1/4, 1/sqrt(2)], orders 2 to 1/2: a single lucky change would
- * otherwise claim any accuracy. Where the changes do not shrink at all, there is no limit that the
+ * next. No halving is trusted to gain more than order 2: the rate is held within [1/4, 1/sqrt(2)],
+ * orders 2 to 1/2, and D_K counts as at least D_(K-1) / 4, since one lucky change would otherwise
+ * claim any accuracy. Where the changes do not shrink at all, there is no limit that the
  * estimate could hold for, and it only says how much still changes. */
 #ifndef PLUMB_HALVING_ERROR_H
 #define PLUMB_HALVING_ERROR_H
