@@ -305,23 +305,40 @@ static bool add_difference(pl_text_buffer *text, const pl_reference_verdict *v,
     return bodies > 0;
 }
 
+/* " of box b and ball": the bodies that have a horizon, where others have none. */
+static void add_affected(pl_text_buffer *text, const pl_reference_verdict *v, bool *wanted)
+{
+    int affected = 0;
+    for (int b = 0; b < v->reference->bodies; ++b) {
+        wanted[b] = v->reference->horizon[b] < v->reference->samples;
+        affected += wanted[b];
+    }
+    if (affected < v->reference->bodies) {
+        pl_text_add(text, " of ");
+        add_names(text, v, wanted);
+    }
+}
+
 /* The first words of the first sentence: of which bodies the motion is chaotic, and from when on. */
 static void add_beginning(pl_text_buffer *text, const pl_reference_verdict *v,
                           const pl_after_horizon *after, bool *wanted)
 {
-    int chaotic = 0;
-    for (int b = 0; b < v->reference->bodies; ++b) {
-        wanted[b] = v->reference->horizon[b] < v->reference->samples;
-        chaotic += wanted[b];
-    }
-    pl_text_add(text, "The motion ");
-    if (chaotic < v->reference->bodies) {
-        pl_text_add(text, "of ");
-        add_names(text, v, wanted);
-        pl_text_add(text, " ");
-    }
-    pl_text_format(text, "is chaotic from t = %.2g s on; as ensembles of %d members, ",
+    pl_text_add(text, "The motion");
+    add_affected(text, v, wanted);
+    pl_text_format(text, " is chaotic from t = %.2g s on; as ensembles of %d members, ",
                    (double)after->from * v->reference->interval, PL_REFERENCE_MEMBERS);
+}
+
+static pl_status say_unconverged(const pl_reference_verdict *v, const pl_after_horizon *after,
+                                 json_t *sentences, bool *wanted, pl_error *error)
+{
+    pl_text_buffer text = {0};
+    pl_text_add(&text, "The reference");
+    add_affected(&text, v, wanted);
+    pl_text_format(&text, " has not converged from t = %.2g s on, and no engine is judged there%s%s",
+                   (double)after->from * v->reference->interval, after->made ? "" : ": ",
+                   after->reason);
+    return pl_sentence_add(sentences, &text, error);
 }
 
 static pl_status say_ensembles(const pl_reference_verdict *v, const pl_after_horizon *after,
@@ -359,18 +376,14 @@ pl_status pl_after_horizon_sentences(const pl_reference_verdict *v, const pl_aft
     if (after->from == reference->samples) {
         return PL_OK;
     }
-    if (!after->chaotic) {
-        pl_text_buffer text = {0};
-        pl_text_format(&text,
-                       "The reference has not converged from t = %.2g s on%s%s: nothing is said of "
-                       "the engines there",
-                       (double)after->from * reference->interval, after->made ? "" : "; ",
-                       after->reason);
-        return pl_sentence_add(sentences, &text, error);
-    }
     bool *wanted = calloc((size_t)reference->bodies, sizeof *wanted);
-    pl_status status = wanted == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                                      : say_ensembles(v, after, sentences, wanted, error);
+    pl_status status =
+        wanted == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for a sentence") : PL_OK;
+    if (status == PL_OK && !after->chaotic) {
+        status = say_unconverged(v, after, sentences, wanted, error);
+    } else if (status == PL_OK) {
+        status = say_ensembles(v, after, sentences, wanted, error);
+    }
     free(wanted);
     return status;
 }

@@ -244,7 +244,7 @@ static pl_status estimate_second(pl_reference *reference, double *others, pl_err
     return status;
 }
 
-/* Where the second engine goes elsewhere, beyond the bound and beyond what both have still to go,
+/* Where the second engine converges elsewhere, beyond the bound and beyond what both have still to go,
  * their distance is the allowance. */
 static pl_status dispute(pl_reference *reference, pl_error *failure)
 {
@@ -260,10 +260,11 @@ static pl_status dispute(pl_reference *reference, pl_error *failure)
         bool differs = false;
         double apart = 0;
         for (long i = 0; i < reference->horizon[b]; ++i) {
-            const double left =
-                *at(reference->error, reference, i, b) + *at(others, reference, i, b);
+            const double other_left = *at(others, reference, i, b);
+            const double left = *at(reference->error, reference, i, b) + other_left;
             apart = pl_body_paths_distance(pl_reference_paths(reference), other, b, i);
-            differs = apart > fmax(reference->bounds[b], pl_reference_safety * left);
+            differs = apart > fmax(reference->bounds[b], pl_reference_safety * left) &&
+                      other_left <= reference->bounds[b];
             reference->confirmed = fmax(reference->confirmed, apart);
             if (differs) {
                 double *allowed = at(reference->allowance, reference, i, b);
@@ -271,6 +272,7 @@ static pl_status dispute(pl_reference *reference, pl_error *failure)
             }
         }
         reference->disputed += differs;
+        reference->unconfirmed += !differs && apart > reference->bounds[b];
         if (differs && apart > farthest) {
             farthest = apart;
             reference->most_disputed = b;

@@ -6,9 +6,10 @@
  * the second engine says whether the limit is right, and the halvings of the first how far from the
  * limit it still is (verification and validation are different things: Roache 1998, chapter 2). A
  * second engine that converges slowly does not spoil the estimate: where the two are no farther
- * apart than three times the sum of what each has still to go, they may have the same limit. Where
- * they are farther apart, and by more than the bound of the body, they converge to different
- * answers, and their distance is the error of the reference. */
+ * apart than three times the sum of what each has still to go, they may have the same limit; and where
+ * the second one's own error is beyond the bound of the body, it has no limit yet that could be
+ * compared. Otherwise, where they are farther apart, and by more than that bound, they converge to
+ * different answers, and their distance counts as the error of the reference. */
 #ifndef PLUMB_CONVERGED_REFERENCE_H
 #define PLUMB_CONVERGED_REFERENCE_H
 
@@ -67,6 +68,7 @@ typedef struct pl_reference {
     long *horizon; /* (bodies): the sample from which on the error stays beyond the bound; samples: it
                       does not */
     double confirmed; /* m: the largest distance of the two engines, within the horizons; NAN: none */
+    int unconfirmed;  /* bodies in which the second engine ends beyond the bound, but has not converged */
     int disputed;     /* bodies of which the two engines converge to different answers */
     int most_disputed; /* of them the one farthest apart at the end; -1: none */
 } pl_reference;

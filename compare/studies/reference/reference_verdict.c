@@ -118,8 +118,13 @@ static pl_status say_reference(const pl_reference_verdict *v, json_t *sentences,
     if (reference->second == 0) {
         pl_text_add(&text, "; no other engine confirms it");
     } else if (reference->disputed == 0) {
-        pl_text_format(&text, "; %s at %.3g s confirms it to within %.2g m", second->label,
-                       reference->dt / (1 << (second->count - 1)), reference->confirmed);
+        pl_text_format(&text, "; %s at %.3g s %s %.2g m%s", second->label,
+                       reference->dt / (1 << (second->count - 1)),
+                       reference->unconfirmed == 0 ? "confirms it to within" : "stays within",
+                       reference->confirmed,
+                       reference->unconfirmed == 0
+                           ? ""
+                           : " of it but has not converged itself, so that nothing confirms it");
     }
     pl_status status = pl_sentence_add(sentences, &text, error);
     if (status != PL_OK || reference->disputed == 0) {
@@ -184,32 +189,69 @@ static pl_status say_bodies(const pl_reference_verdict *v, int engine, json_t *s
     }
     pl_text_buffer text = {0};
     pl_text_format(&text,
-                   "%d of %d bodies: %s ends away from the reference, most of all in %s, by %.3g m, "
+                   "%d of %d bodies: %s differs from the reference, most of all in %s, by %.3g m, "
                    "and first in %s, from t = %.2g s on",
                    e->differing, v->reference->bodies, e->label, body_name(v, worst),
                    e->bodies[worst].final, body_name(v, first), e->bodies[first].differs_from);
     return pl_sentence_add(sentences, &text, error);
 }
 
-static pl_status say_engine(const pl_reference_verdict *v, int engine, json_t *sentences,
-                            pl_error *error)
+/* A body of an engine that differs. */
+typedef struct difference {
+    double final; /* m */
+    int engine, body;
+} difference;
+
+static int by_final(const void *a, const void *b)
 {
-    const pl_engine_verdict *e = &v->engines[engine];
+    const difference *x = a, *y = b;
+    return (x->final < y->final) - (x->final > y->final);
+}
+
+/* A sentence for each engine with many such bodies, then one for each body of the others, the farthest
+ * first. */
+static pl_status say_differences(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+{
+    const size_t most = (size_t)v->engine_count * MOST_SINGLE_BODIES;
+    difference *single = calloc(most + 1, sizeof *single);
+    pl_status status =
+        single == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for a verdict") : PL_OK;
+    size_t count = 0;
+    for (int i = 0; i < v->engine_count && status == PL_OK; ++i) {
+        const pl_engine_verdict *e = &v->engines[i];
+        if (e->differing > MOST_SINGLE_BODIES) {
+            status = say_bodies(v, i, sentences, error);
+            continue;
+        }
+        for (int b = 0; b < v->reference->bodies && e->bodies != NULL; ++b) {
+            if (!isnan(e->bodies[b].differs_from)) {
+                single[count++] = (difference){e->bodies[b].final, i, b};
+            }
+        }
+    }
+    if (count > 0) {
+        qsort(single, count, sizeof *single, by_final);
+    }
+    for (size_t i = 0; i < count && status == PL_OK; ++i) {
+        status = say_body(v, single[i].engine, single[i].body, sentences, error);
+    }
+    free(single);
+    return status;
+}
+
+/* The engines that could not be compared, or not to the end. */
+static pl_status say_missing(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+{
     pl_status status = PL_OK;
-    if (e->bodies == NULL || !e->completed) {
-        pl_text_buffer text = {0};
-        pl_text_format(&text, "%s is %s", e->label,
-                       e->bodies == NULL
-                           ? "not compared, because it left no path"
-                           : "compared only until its run ended, which was before the scene's end");
-        status = pl_sentence_add(sentences, &text, error);
-    }
-    if (status == PL_OK && e->differing > MOST_SINGLE_BODIES) {
-        return say_bodies(v, engine, sentences, error);
-    }
-    for (int b = 0; b < v->reference->bodies && e->differing > 0 && status == PL_OK; ++b) {
-        if (!isnan(e->bodies[b].differs_from)) {
-            status = say_body(v, engine, b, sentences, error);
+    for (int i = 0; i < v->engine_count && status == PL_OK; ++i) {
+        const pl_engine_verdict *e = &v->engines[i];
+        if (e->bodies == NULL || !e->completed) {
+            pl_text_buffer text = {0};
+            pl_text_format(&text, "%s is %s", e->label,
+                           e->bodies == NULL
+                               ? "not compared, because it left no path"
+                               : "compared only until its run ended, before the end of the scene");
+            status = pl_sentence_add(sentences, &text, error);
         }
     }
     return status;
@@ -253,9 +295,9 @@ static pl_status say_agreement(const pl_reference_verdict *v, json_t *sentences,
 pl_status pl_reference_sentences(const pl_reference_verdict *verdict, json_t *sentences,
                                  pl_error *error)
 {
-    pl_status status = PL_OK;
-    for (int i = 0; i < verdict->engine_count && status == PL_OK; ++i) {
-        status = say_engine(verdict, i, sentences, error);
+    pl_status status = say_differences(verdict, sentences, error);
+    if (status == PL_OK) {
+        status = say_missing(verdict, sentences, error);
     }
     if (status == PL_OK) {
         status = say_agreement(verdict, sentences, error);
