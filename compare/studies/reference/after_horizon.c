@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-const double pl_reference_most_member_work = 5e4;
+const double pl_reference_most_member_work = 2.5e4;
 
 /* ---- Runs ---- */
 

@@ -4,17 +4,18 @@
 #include "plumb/jitter.h"
 #include "runner/positions.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-const double pl_reference_most_work = 4e5;
+const double pl_reference_most_work = 2e5;
 const double pl_reference_share = 0.01, pl_reference_least_bound = 1e-3, pl_reference_safety = 3;
 const double pl_reference_floor = 1e-6;
 
 const char pl_reference_engine[] = "plumb:accurate";
-const char *const pl_reference_candidates[PL_REFERENCE_CANDIDATES] = {
-    "ode:dantzig", "mujoco:recommended", "bullet:recommended"};
+const pl_reference_candidate pl_reference_candidates[PL_REFERENCE_CANDIDATES] = {
+    {"ode:dantzig", 30}, {"mujoco:recommended", 30}, {"bullet:recommended", INT_MAX}};
 
 /* The halvings end where the estimated error is at most this share of each body's bound. */
 static const double aim = 0.1;
@@ -336,9 +337,11 @@ static pl_status add_engines(making *m, pl_error *error)
     const int candidates = m->def->without_second ? 0 : PL_REFERENCE_CANDIDATES;
     pl_status status = pl_plan_add_engine(&m->plan, pl_reference_engine, error);
     for (int i = 0; i < candidates && status == PL_OK; ++i) {
-        pl_error absent = {.message = ""};
-        const pl_status added = pl_plan_add_engine(&m->plan, pl_reference_candidates[i], &absent);
-        status = added == PL_UNSUPPORTED ? PL_OK : added;
+        const pl_reference_candidate *candidate = &pl_reference_candidates[i];
+        if (m->reference->bodies <= candidate->most_bodies) {
+            status = pl_plan_add_engine(&m->plan, candidate->spec, error);
+            status = status == PL_UNSUPPORTED ? PL_OK : status;
+        }
     }
     m->reference->engine_count = m->plan.configuration_count;
     for (int i = 0; i < m->reference->engine_count; ++i) {
@@ -357,6 +360,17 @@ static int most_levels(const pl_reference *reference, const pl_scene *scene)
         levels += 1;
     }
     return levels;
+}
+
+static bool is_too_large(pl_reference *reference, const pl_scene *scene)
+{
+    const double work = (double)pl_scene_steps(scene) * reference->bodies;
+    if (work > pl_reference_most_work) {
+        snprintf(reference->reason, sizeof reference->reason,
+                 "the scene takes %.3g steps times bodies, more than %.0f", work,
+                 pl_reference_most_work);
+    }
+    return work > pl_reference_most_work;
 }
 
 static pl_status halve(making *m, int *signal_number, pl_error *error)
@@ -394,7 +408,7 @@ pl_status pl_reference_make(const pl_reference_def *def, pl_reference *reference
     if (status == PL_OK) {
         status = add_engines(&m, error);
     }
-    if (status == PL_OK) {
+    if (status == PL_OK && !is_too_large(reference, &def->original->scene)) {
         status = halve(&m, signal_number, error);
     }
     reference->known = own->count >= PL_REFERENCE_LEAST_LEVELS;
@@ -404,7 +418,7 @@ pl_status pl_reference_make(const pl_reference_def *def, pl_reference *reference
     if (status == PL_OK && *signal_number == 0 && reference->known && reference->second > 0) {
         status = dispute(reference, error);
     }
-    if (!reference->known) {
+    if (!reference->known && reference->reason[0] == '\0') {
         snprintf(reference->reason, sizeof reference->reason, "%s %s", pl_reference_engine,
                  own->reason);
     }

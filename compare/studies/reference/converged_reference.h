@@ -19,7 +19,8 @@
 /* The largest number of steps that are tried: dt to dt / 64. */
 enum { PL_REFERENCE_LEVELS = 7, PL_REFERENCE_LEAST_LEVELS = 3, PL_REFERENCE_CANDIDATES = 3 };
 
-/* From the third step on, a step is tried where the run takes no more steps times bodies. */
+/* Bounds of the cost: a scene that takes more steps times bodies at the asked step gets no reference,
+ * and after dt / 4 no smaller step is tried at which a run would. */
 extern const double pl_reference_most_work;
 /* A body differs beyond this share of its size (its smallest dimension), but at least beyond
  * pl_reference_least_bound (m), and beyond pl_reference_safety times the error of the reference. */
@@ -27,9 +28,16 @@ extern const double pl_reference_share, pl_reference_least_bound, pl_reference_s
 /* No error is estimated smaller than this share of the smallest body's size. */
 extern const double pl_reference_floor;
 
-/* The spec of the engine that makes references, and those of which one confirms them. */
+/* The spec of the engine that makes references. */
 extern const char pl_reference_engine[];
-extern const char *const pl_reference_candidates[PL_REFERENCE_CANDIDATES];
+
+/* An engine that may confirm a reference. */
+typedef struct pl_reference_candidate {
+    const char *spec;
+    int most_bodies; /* dynamic ones: a step of a dense solver costs their number cubed */
+} pl_reference_candidate;
+
+extern const pl_reference_candidate pl_reference_candidates[PL_REFERENCE_CANDIDATES];
 
 /* What a reference is made of. The pointers are borrowed. */
 typedef struct pl_reference_def {

@@ -3,8 +3,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* More bodies than this are reported in one sentence. */
-enum { MOST_SINGLE_BODIES = 4 };
+/* More bodies of an engine than this are reported in one sentence, and of all single bodies the
+ * farthest only. */
+enum { MOST_SINGLE_BODIES = 4, MOST_SINGLE_SENTENCES = 10 };
+
+/* Others that are no farther from the reference than this share of a distance are where it is: they
+ * are then "the others" that it is a distance from. */
+static const double negligible_share = 0.1;
 
 /* ---- Numbers ---- */
 
@@ -141,7 +146,8 @@ static pl_status say_reference(const pl_reference_verdict *v, json_t *sentences,
     return pl_sentence_add(sentences, &text, error);
 }
 
-/* Whether at least one other configuration ran to its end, and none of them differs in the body. */
+/* Whether at least one other configuration ran to its end, and all of them are near the reference in
+ * the body, compared with this one. */
 static bool others_agree(const pl_reference_verdict *v, int engine, int body)
 {
     int others = 0;
@@ -149,7 +155,8 @@ static bool others_agree(const pl_reference_verdict *v, int engine, int body)
         const pl_engine_verdict *e = &v->engines[i];
         if (i != engine && e->bodies != NULL && e->completed) {
             others += 1;
-            if (!isnan(e->bodies[body].differs_from)) {
+            if (!(e->bodies[body].final <=
+                  negligible_share * v->engines[engine].bodies[body].final)) {
                 return false;
             }
         }
@@ -232,8 +239,16 @@ static pl_status say_differences(const pl_reference_verdict *v, json_t *sentence
     if (count > 0) {
         qsort(single, count, sizeof *single, by_final);
     }
-    for (size_t i = 0; i < count && status == PL_OK; ++i) {
+    for (size_t i = 0; i < count && i < MOST_SINGLE_SENTENCES && status == PL_OK; ++i) {
         status = say_body(v, single[i].engine, single[i].body, sentences, error);
+    }
+    if (count > MOST_SINGLE_SENTENCES && status == PL_OK) {
+        pl_text_buffer text = {0};
+        const size_t left = count - MOST_SINGLE_SENTENCES;
+        pl_text_format(&text, "%zu more %s, by %.3g m at most", left,
+                       left == 1 ? "body of an engine differs" : "bodies of engines differ",
+                       single[MOST_SINGLE_SENTENCES].final);
+        status = pl_sentence_add(sentences, &text, error);
     }
     free(single);
     return status;
