@@ -240,9 +240,8 @@ static const pl_option OPTIONS[] = {
      "Also find that metric (see plumb list metrics), with up to 20 more runs of each case "
      "on each engine that has an option iterations",
      PL_OPTION_FLAG, .field = offsetof(options, tolerance)},
-    {"no-reference", NULL,
-     "Make no converged reference for scene files that expect nothing", PL_OPTION_FLAG,
-     .field = offsetof(options, no_reference)},
+    {"no-reference", NULL, "Make no converged reference for scene files that expect nothing",
+     PL_OPTION_FLAG, .field = offsetof(options, no_reference)},
     {"suite", NULL,
      "All scenarios of a suite (repeatable; default canonical when no scenario is named)",
      .kind = PL_OPTION_HELP},
@@ -256,7 +255,8 @@ const pl_command pl_command_compare = {
     .description =
         "Runs scenarios on engines side by side, each run in a process of its own, prints a table "
         "and writes a report. An engine that crashes, hangs or fails is a row of the table; the "
-        "command still succeeds. For a scene file without \"expect\" a converged reference is made, "
+        "command still succeeds. For a scene file without \"expect\" a converged reference is "
+        "made, "
         "from two engines at ever smaller steps, and sentences after the table say which engine "
         "differs from it in which body, by how much and from when on.",
     .notes = "Examples:\n"

@@ -47,8 +47,8 @@ pl_status pl_positions_create(const char *path, const pl_scene *scene, long stri
                               pl_positions_writer *writer, pl_error *error)
 {
     const header h = header_of(scene, stride);
-    *writer = (pl_positions_writer){
-        .path = path, .scene = scene, .stride = stride_of(scene, stride)};
+    *writer =
+        (pl_positions_writer){.path = path, .scene = scene, .stride = stride_of(scene, stride)};
     writer->sample = calloc(3 * (size_t)h.bodies + 1, sizeof *writer->sample);
     if (writer->sample == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);

@@ -41,8 +41,7 @@ static pl_status keep_result(void *user, json_t *result, pl_error *error)
 static pl_status run_crowd(const pl_reference_def *def, crowd *c, int *signal_number,
                            pl_error *error)
 {
-    const pl_members_def members = {
-        .members = PL_REFERENCE_MEMBERS, .user = c, .add = add_case};
+    const pl_members_def members = {.members = PL_REFERENCE_MEMBERS, .user = c, .add = add_case};
     c->results = json_array();
     c->plan.seed = def->execution.plan->seed;
     pl_status status = c->results == NULL
@@ -91,8 +90,7 @@ static int ends_of(const crowd *c, int ensemble, int body, int axis,
         pl_member_run(&c->plan, &c->ensembles.items[ensemble], k, run);
         const json_t *result = json_object_get(c->by_run, run);
         const json_t *steps = json_object_get(result, "steps");
-        const json_t *pose =
-            json_array_get(json_object_get(result, "final_poses"), (size_t)body);
+        const json_t *pose = json_array_get(json_object_get(result, "final_poses"), (size_t)body);
         if (json_is_array(pose) &&
             json_equal(json_object_get(steps, "asked"), json_object_get(steps, "done"))) {
             ends[count++] = json_number_value(json_array_get(pose, (size_t)axis));
@@ -230,8 +228,7 @@ pl_status pl_after_horizon_make(const pl_reference_def *def, const pl_reference_
                                 pl_after_horizon *after, int *signal_number, pl_error *error)
 {
     const pl_reference *reference = verdict->reference;
-    const double work =
-        (double)pl_scene_steps(&def->original->scene) * (double)reference->bodies;
+    const double work = (double)pl_scene_steps(&def->original->scene) * (double)reference->bodies;
     *after = (pl_after_horizon){.from = reference->samples, .parted = (double)NAN};
     *signal_number = 0;
     for (int b = 0; b < reference->bodies; ++b) {
@@ -241,10 +238,11 @@ pl_status pl_after_horizon_make(const pl_reference_def *def, const pl_reference_
         return PL_OK;
     }
     if (work > pl_reference_most_member_work) {
-        snprintf(after->reason, sizeof after->reason,
-                 "an ensemble would take more than %.0f steps times bodies a member: plumb ensemble "
-                 "makes it",
-                 pl_reference_most_member_work);
+        snprintf(
+            after->reason, sizeof after->reason,
+            "an ensemble would take more than %.0f steps times bodies a member: plumb ensemble "
+            "makes it",
+            pl_reference_most_member_work);
         return PL_OK;
     }
     return compare_crowds(def, verdict, after, signal_number, error);
@@ -270,13 +268,17 @@ static void add_names(pl_text_buffer *text, const pl_reference_verdict *v, const
     for (int b = 0; b < v->reference->bodies && named < MOST_NAMES; ++b) {
         if (wanted[b]) {
             const bool last = named + 1 == count;
-            pl_text_format(text, "%s%s", named == 0 ? "" : last ? " and " : ", ",
+            pl_text_format(text, "%s%s",
+                           named == 0 ? ""
+                           : last     ? " and "
+                                      : ", ",
                            v->test_case->scene.bodies[v->reference->body[b]].name);
             named += 1;
         }
     }
     if (count > named) {
-        pl_text_format(text, " and %d more %s", count - named, count - named == 1 ? "body" : "bodies");
+        pl_text_format(text, " and %d more %s", count - named,
+                       count - named == 1 ? "body" : "bodies");
     }
 }
 
@@ -335,9 +337,9 @@ static pl_status say_unconverged(const pl_reference_verdict *v, const pl_after_h
     pl_text_buffer text = {0};
     pl_text_add(&text, "The reference");
     add_affected(&text, v, wanted);
-    pl_text_format(&text, " has not converged from t = %.2g s on, and no engine is judged there%s%s",
-                   (double)after->from * v->reference->interval, after->made ? "" : ": ",
-                   after->reason);
+    pl_text_format(
+        &text, " has not converged from t = %.2g s on, and no engine is judged there%s%s",
+        (double)after->from * v->reference->interval, after->made ? "" : ": ", after->reason);
     return pl_sentence_add(sentences, &text, error);
 }
 

@@ -30,8 +30,8 @@ typedef struct pl_end_test {
 
 /* What is known after the horizon. Starts as {0}. */
 typedef struct pl_after_horizon {
-    long from;        /* the first sample from which on a body has no reference */
-    bool made;        /* false: no ensemble was made, and `reason` says why */
+    long from; /* the first sample from which on a body has no reference */
+    bool made; /* false: no ensemble was made, and `reason` says why */
     char reason[256];
     bool chaotic;       /* the members of the reference part */
     double parted;      /* s: when they have parted; NAN: they do not, or it is not known */

@@ -62,8 +62,8 @@ static void note_reason(making *m, int engine, pl_reference_runs *runs, double d
         const char *reason = pl_json_get_text(result, "reason");
         const char *outcome = pl_json_get_text(result, "outcome");
         if (strcmp(pl_json_get_text(result, "label"), m->plan.configurations[engine].label) == 0) {
-            snprintf(runs->reason, sizeof runs->reason, "%.20s at a step of %.3g s%s%.180s", outcome,
-                     dt, reason[0] == '\0' ? "" : ": ", reason);
+            snprintf(runs->reason, sizeof runs->reason, "%.20s at a step of %.3g s%s%.180s",
+                     outcome, dt, reason[0] == '\0' ? "" : ": ", reason);
         }
     }
 }
@@ -166,7 +166,8 @@ static void choose_second(pl_reference *reference)
         const pl_reference_runs *best = &reference->engines[reference->second];
         runs->apart = (double)NAN;
         if (runs->count > level) {
-            runs->apart = largest_distance(&runs->levels[level], &reference->engines[0].levels[level]);
+            runs->apart =
+                largest_distance(&runs->levels[level], &reference->engines[0].levels[level]);
             if (reference->second == 0 || runs->apart < best->apart) {
                 reference->second = i;
             }
@@ -230,9 +231,9 @@ static pl_status estimate_second(pl_reference *reference, double *others, pl_err
     pl_reference_runs *second = &reference->engines[reference->second];
     const size_t count = (size_t)(reference->samples * reference->bodies);
     double *before = calloc(count + 1, sizeof *before);
-    pl_status status =
-        before == NULL ? pl_fail(failure, PL_NO_MEMORY, "out of memory for the error of a reference")
-                       : estimate(reference, reference->second, others, failure);
+    pl_status status = before == NULL ? pl_fail(failure, PL_NO_MEMORY,
+                                                "out of memory for the error of a reference")
+                                      : estimate(reference, reference->second, others, failure);
     if (status == PL_OK) {
         second->count -= 1;
         status = estimate(reference, reference->second, before, failure);
@@ -252,9 +253,9 @@ static pl_status dispute(pl_reference *reference, pl_error *failure)
     const pl_reference_runs *second = &reference->engines[reference->second];
     const pl_body_paths *other = &second->levels[second->count - 1];
     double *others = calloc((size_t)(reference->samples * reference->bodies) + 1, sizeof *others);
-    pl_status status =
-        others == NULL ? pl_fail(failure, PL_NO_MEMORY, "out of memory for the error of a reference")
-                       : estimate_second(reference, others, failure);
+    pl_status status = others == NULL ? pl_fail(failure, PL_NO_MEMORY,
+                                                "out of memory for the error of a reference")
+                                      : estimate_second(reference, others, failure);
     double farthest = 0;
     reference->confirmed = 0;
     for (int b = 0; b < reference->bodies && status == PL_OK; ++b) {
@@ -380,8 +381,8 @@ static pl_status halve(making *m, int *signal_number, pl_error *error)
     const int most = most_levels(reference, &m->def->original->scene);
     bool enough = false;
     pl_status status = PL_OK;
-    for (int level = 0; level < most && own->count == level && !enough && status == PL_OK &&
-                        *signal_number == 0;
+    for (int level = 0;
+         level < most && own->count == level && !enough && status == PL_OK && *signal_number == 0;
          ++level) {
         status = run_level(m, level, signal_number, error);
         if (level == PL_REFERENCE_LEAST_LEVELS - 1) {

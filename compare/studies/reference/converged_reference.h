@@ -60,24 +60,26 @@ typedef struct pl_reference_runs {
 typedef struct pl_reference {
     pl_reference_runs engines[1 + PL_REFERENCE_CANDIDATES]; /* the first is the reference's own */
     int engine_count;
-    int second;     /* the index of the one that confirms it; 0: none */
-    long stride;    /* steps of the asked size from one sample to the next */
-    double dt;      /* s: the asked step */
+    int second;      /* the index of the one that confirms it; 0: none */
+    long stride;     /* steps of the asked size from one sample to the next */
+    double dt;       /* s: the asked step */
     double interval; /* s, from one sample to the next */
-    double floor;   /* m: no error is estimated smaller */
-    int bodies;     /* dynamic ones, in scene order */
-    int *body;      /* (bodies): index in the scene */
-    double *bounds; /* (bodies): m */
-    bool known;     /* false: there is none, and `reason` says why; the rest is undefined */
+    double floor;    /* m: no error is estimated smaller */
+    int bodies;      /* dynamic ones, in scene order */
+    int *body;       /* (bodies): index in the scene */
+    double *bounds;  /* (bodies): m */
+    bool known;      /* false: there is none, and `reason` says why; the rest is undefined */
     char reason[512];
     long samples;
     double *error;     /* (samples x bodies): estimated from the halvings alone, m */
     double *allowance; /* (samples x bodies): the same; where the engines differ, their distance */
-    long *horizon; /* (bodies): the sample from which on the error stays beyond the bound; samples: it
+    long *
+        horizon; /* (bodies): the sample from which on the error stays beyond the bound; samples: it
                       does not */
-    double confirmed; /* m: the largest distance of the two engines, within the horizons; NAN: none */
-    int unconfirmed;  /* bodies in which the second engine ends beyond the bound, but has not converged */
-    int disputed;     /* bodies of which the two engines converge to different answers */
+    double
+        confirmed; /* m: the largest distance of the two engines, within the horizons; NAN: none */
+    int unconfirmed; /* bodies in which the second engine ends beyond the bound, but has not converged */
+    int disputed;      /* bodies of which the two engines converge to different answers */
     int most_disputed; /* of them the one farthest apart at the end; -1: none */
 } pl_reference;
 

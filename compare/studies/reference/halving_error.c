@@ -41,8 +41,8 @@ static void windowed_changes(const pl_body_paths *fine, const pl_body_paths *coa
  * first. */
 static double remaining(const double *changes, long stride, int count)
 {
-    const double before = count > 1 ? changes[stride] : 0;
-    const double observed = before > 0 ? changes[0] / before : 0.5;
+    const double before = count > 1 ? changes[stride] : 2 * changes[0];
+    const double observed = before > 0 ? changes[0] / before : largest_rate;
     const double rate = fmin(fmax(observed, least_rate), largest_rate);
     double last = changes[0], trust = 1;
     for (int k = 1; k < count; ++k) {

@@ -46,17 +46,14 @@ static json_t *engines_json(const pl_reference *reference)
         for (int k = 0; k < runs->count; ++k) {
             steps[k] = reference->dt / (1 << k);
         }
-        const char *role = i == 0                    ? "reference"
-                           : i == reference->second ? "confirms"
-                                                    : "candidate";
+        const char *role = i == 0 ? "reference" : i == reference->second ? "confirms" : "candidate";
         json_array_append_new(
             engines,
             json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "label", runs->label, "role", role, "steps",
                       numbers(steps, runs->count), "changes", numbers(runs->change, runs->count),
                       "apart", pl_json_number_or_null(i == 0 ? (double)NAN : runs->apart), "reason",
-                      runs->reason[0] == '\0'
-                          ? json_null()
-                          : pl_json_text(runs->reason, strlen(runs->reason))));
+                      runs->reason[0] == '\0' ? json_null()
+                                              : pl_json_text(runs->reason, strlen(runs->reason))));
     }
     return engines;
 }
@@ -116,13 +113,13 @@ static json_t *bodies_json(const pl_reference_verdict *verdict)
             final = reference->error[i * reference->bodies + b];
             largest = fmax(largest, final);
         }
-        json_array_append_new(
-            array, json_pack("{s:o, s:f, s:o, s:o, s:o, s:o}", "name",
-                             pl_json_text(name, strlen(name)), "bound", reference->bounds[b],
-                             "final_error", pl_json_number_or_null(final), "largest_error",
-                             pl_json_number_or_null(largest), "horizon",
-                             horizon_json(reference, reference->horizon[b]), "configurations",
-                             configurations_json(verdict, b)));
+        json_array_append_new(array, json_pack("{s:o, s:f, s:o, s:o, s:o, s:o}", "name",
+                                               pl_json_text(name, strlen(name)), "bound",
+                                               reference->bounds[b], "final_error",
+                                               pl_json_number_or_null(final), "largest_error",
+                                               pl_json_number_or_null(largest), "horizon",
+                                               horizon_json(reference, reference->horizon[b]),
+                                               "configurations", configurations_json(verdict, b)));
     }
     return array;
 }
@@ -139,18 +136,17 @@ static json_t *ensemble_json(const pl_reference_verdict *verdict, const pl_after
     for (int i = 0; i < after->test_count; ++i) {
         const pl_end_test *t = &after->tests[i];
         const char *name = verdict->test_case->scene.bodies[reference->body[t->body]].name;
-        json_array_append_new(
-            tests, json_pack("{s:s, s:o, s:s, s:f, s:f, s:f}", "label",
-                             verdict->engines[t->engine].label, "body",
-                             pl_json_text(name, strlen(name)), "axis", axes[t->axis], "ks", t->ks,
-                             "p", t->p, "p_corrected", t->corrected));
+        json_array_append_new(tests,
+                              json_pack("{s:s, s:o, s:s, s:f, s:f, s:f}", "label",
+                                        verdict->engines[t->engine].label, "body",
+                                        pl_json_text(name, strlen(name)), "axis", axes[t->axis],
+                                        "ks", t->ks, "p", t->p, "p_corrected", t->corrected));
     }
-    return json_pack("{s:i, s:f, s:b, s:b, s:o, s:o, s:o}", "members", PL_REFERENCE_MEMBERS,
-                     "reference_dt", reference->dt / PL_REFERENCE_MEMBER_REFINEMENT, "made",
-                     (int)after->made, "chaotic", (int)after->chaotic, "parted",
-                     pl_json_number_or_null(after->parted), "reason",
-                     after->reason[0] == '\0' ? json_null() : json_string(after->reason), "tests",
-                     tests);
+    return json_pack(
+        "{s:i, s:f, s:b, s:b, s:o, s:o, s:o}", "members", PL_REFERENCE_MEMBERS, "reference_dt",
+        reference->dt / PL_REFERENCE_MEMBER_REFINEMENT, "made", (int)after->made, "chaotic",
+        (int)after->chaotic, "parted", pl_json_number_or_null(after->parted), "reason",
+        after->reason[0] == '\0' ? json_null() : json_string(after->reason), "tests", tests);
 }
 
 json_t *pl_reference_case_json(const pl_plan *plan, const pl_case *test_case,
@@ -162,8 +158,7 @@ json_t *pl_reference_case_json(const pl_plan *plan, const pl_case *test_case,
         pl_json_text(test_case->name, strlen(test_case->name)), "scene_hash", test_case->scene_hash,
         "dt", test_case->scene.dt, "duration", test_case->scene.duration, "runs",
         pl_reference_runs_json(plan, test_case), "known", (int)reference->known, "reason",
-        reference->known ? json_null()
-                         : pl_json_text(reference->reason, strlen(reference->reason)),
+        reference->known ? json_null() : pl_json_text(reference->reason, strlen(reference->reason)),
         "engines", engines_json(reference), "sentences", sentences);
     if (item == NULL || verdict == NULL) {
         return item;

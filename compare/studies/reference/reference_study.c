@@ -44,8 +44,7 @@ pl_status pl_reference_study_due(const pl_plan *plan, const json_t *before, int 
     *due = 0;
     for (int i = 0; i < plan->case_count && !failed; ++i) {
         const pl_case *test_case = &plan->cases[i];
-        *due += pl_reference_applies(test_case) &&
-                recall(before, plan, test_case, &failed) == NULL;
+        *due += pl_reference_applies(test_case) && recall(before, plan, test_case, &failed) == NULL;
     }
     return failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for references") : PL_OK;
 }
@@ -137,8 +136,8 @@ static pl_status judge_by(const pl_reference_def *def, const pl_reference *refer
     return status;
 }
 
-static pl_status judge_case(const pl_reference_study_def *def, pl_case *test_case,
-                            pl_progress *bar, json_t **item, int *signal_number, pl_error *error)
+static pl_status judge_case(const pl_reference_study_def *def, pl_case *test_case, pl_progress *bar,
+                            json_t **item, int *signal_number, pl_error *error)
 {
     pl_reference reference = {.known = false};
     pl_reference_def making = {.original = test_case, .execution = def->execution};
@@ -178,10 +177,10 @@ static json_t *compose(json_t *cases)
         const char *name = pl_json_get_text(item, "name");
         json_array_foreach(json_object_get(item, "sentences"), k, sentence)
         {
-            json_array_append_new(
-                sentences, json_array_size(cases) == 1
-                               ? json_incref(sentence)
-                               : json_sprintf("%s: %s", name, json_string_value(sentence)));
+            json_array_append_new(sentences,
+                                  json_array_size(cases) == 1
+                                      ? json_incref(sentence)
+                                      : json_sprintf("%s: %s", name, json_string_value(sentence)));
         }
     }
     return json_pack("{s:s, s:f, s:f, s:f, s:o, s:o}", "schema", "plumb.reference/1", "share",
@@ -217,8 +216,8 @@ pl_status pl_reference_study(const pl_reference_study_def *def, json_t **outcome
             if (out != NULL && !bar.terminal) {
                 fprintf(out, "%s: a converged reference\n", test_case->name);
             }
-            status = judge_case(def, test_case, bar.terminal ? &bar : NULL, &item, signal_number,
-                                error);
+            status =
+                judge_case(def, test_case, bar.terminal ? &bar : NULL, &item, signal_number, error);
         }
         if (item != NULL && json_array_append_new(cases, item) != 0) {
             status = pl_fail(error, PL_NO_MEMORY, "out of memory for a reference");

@@ -11,7 +11,8 @@ typedef struct pl_reference_study_def {
      * `positions` is the folder of their paths; runs that left none there are made again. It must
      * exist. */
     pl_execution_def execution;
-    const json_t *before; /* an earlier outcome, whose cases are kept where nothing changed; or NULL */
+    const json_t
+        *before; /* an earlier outcome, whose cases are kept where nothing changed; or NULL */
 } pl_reference_study_def;
 
 /* How many cases of the plan get a reference. */

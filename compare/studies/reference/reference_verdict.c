@@ -66,9 +66,8 @@ pl_status pl_reference_judge(const pl_plan *plan, const pl_case *test_case, cons
                              const pl_reference *reference, pl_reference_verdict *verdict,
                              pl_error *error)
 {
-    *verdict = (pl_reference_verdict){.reference = reference,
-                                      .test_case = test_case,
-                                      .engine_count = plan->configuration_count};
+    *verdict = (pl_reference_verdict){
+        .reference = reference, .test_case = test_case, .engine_count = plan->configuration_count};
     verdict->engines = calloc((size_t)verdict->engine_count + 1, sizeof *verdict->engines);
     pl_status status =
         verdict->engines == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
@@ -118,8 +117,9 @@ static pl_status say_reference(const pl_reference_verdict *v, json_t *sentences,
             largest = fmax(largest, reference->error[i * reference->bodies + b]);
         }
     }
-    pl_text_format(&text, "The reference is %s at a step of %.3g s, with an estimated error of up to %.2g m",
-                   own->label, reference->dt / (1 << (own->count - 1)), largest);
+    pl_text_format(
+        &text, "The reference is %s at a step of %.3g s, with an estimated error of up to %.2g m",
+        own->label, reference->dt / (1 << (own->count - 1)), largest);
     if (reference->second == 0) {
         pl_text_add(&text, "; no other engine confirms it");
     } else if (reference->disputed == 0) {
@@ -137,12 +137,13 @@ static pl_status say_reference(const pl_reference_verdict *v, json_t *sentences,
     }
     const int body = reference->most_disputed;
     const long last = reference->horizon[body] - 1;
-    const double apart = pl_body_paths_distance(
-        pl_reference_paths(reference), &second->levels[second->count - 1], body, last);
-    pl_text_format(&text,
-                   "%s and %s converge to different answers: %s ends %.3g m apart; what lies within "
-                   "three times their distance is not judged",
-                   own->label, second->label, body_name(v, body), apart);
+    const double apart = pl_body_paths_distance(pl_reference_paths(reference),
+                                                &second->levels[second->count - 1], body, last);
+    pl_text_format(
+        &text,
+        "%s and %s converge to different answers: %s ends %.3g m apart; what lies within "
+        "three times their distance is not judged",
+        own->label, second->label, body_name(v, body), apart);
     return pl_sentence_add(sentences, &text, error);
 }
 
@@ -190,7 +191,8 @@ static pl_status say_bodies(const pl_reference_verdict *v, int engine, json_t *s
     int first = -1, worst = -1;
     for (int b = 0; b < v->reference->bodies; ++b) {
         if (!isnan(e->bodies[b].differs_from)) {
-            first = first < 0 || e->bodies[b].differs_from < e->bodies[first].differs_from ? b : first;
+            first =
+                first < 0 || e->bodies[b].differs_from < e->bodies[first].differs_from ? b : first;
             worst = worst < 0 || e->bodies[b].final > e->bodies[worst].final ? b : worst;
         }
     }
@@ -299,7 +301,9 @@ static pl_status say_agreement(const pl_reference_verdict *v, json_t *sentences,
     const bool all = agreeing == v->engine_count;
     const bool one = v->engine_count == 1;
     pl_text_format(&text, "%s agree%s with the reference to within %.2g m%s",
-                   all && !one ? "All engines" : names.data == NULL ? "" : names.data,
+                   all && !one          ? "All engines"
+                   : names.data == NULL ? ""
+                                        : names.data,
                    agreeing == 1 ? "s" : "", largest,
                    whole ? "" : " as long as the motion can be predicted");
     text.failed = text.failed || names.failed;
