@@ -13,7 +13,7 @@ static const double share_of_size = 0.01;
 /* One member's open trajectory. */
 typedef struct track {
     FILE *file;
-    double *moved;  /* (3 x bodies): the displacement from the start, as read */
+    double *moved; /* (3 x bodies): the displacement from the start, as read */
     double *start; /* (3 x bodies) */
     double *place; /* (3 x bodies) */
 } track;
