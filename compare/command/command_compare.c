@@ -21,7 +21,7 @@ typedef struct options {
 
 /* Converged references of the scene files that expect nothing. */
 typedef struct references {
-    char *folder;    /* of the positions of runs, while they are needed */
+    char *folder;    /* of the paths of runs, while they are needed */
     char *path;      /* of reference.json */
     json_t *before;  /* what is there already; NULL: nothing */
     json_t *outcome; /* NULL: none */
@@ -83,14 +83,13 @@ static pl_status deliver(const options *o, json_t *results, const json_t *refere
 }
 
 /* The searches first, because a row is written whole; then the runs of the plan. */
-static pl_status run_all(const options *o, const pl_plan *plan, const char *positions,
-                         pl_store *store, json_t *provenance, int *signal_number, pl_error *error)
+static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store, json_t *provenance,
+                         int *signal_number, pl_error *error)
 {
     keeper k = {.store = store, .plan = plan};
     pl_execution_def execution = {.plan = plan,
                                   .jobs = o->request.jobs,
                                   .limits = o->request.limits,
-                                  .positions = positions,
                                   .provenance = provenance,
                                   .progress = stderr,
                                   .user = &k,
@@ -146,8 +145,9 @@ static pl_status begin_references(const options *o, const pl_plan *plan, referen
 }
 
 /* Makes the references and writes them. */
-static pl_status make_references(const options *o, const pl_plan *plan, json_t *provenance,
-                                 references *r, int *signal_number, pl_error *error)
+static pl_status make_references(const options *o, const pl_plan *plan, const json_t *results,
+                                 json_t *provenance, references *r, int *signal_number,
+                                 pl_error *error)
 {
     const pl_reference_study_def def = {.execution = {.plan = plan,
                                                       .jobs = o->request.jobs,
@@ -155,6 +155,7 @@ static pl_status make_references(const options *o, const pl_plan *plan, json_t *
                                                       .positions = r->folder,
                                                       .provenance = provenance,
                                                       .progress = stderr},
+                                        .results = results,
                                         .before = r->before};
     if (o->no_reference || pl_reference_study_cases(plan) == 0) {
         return PL_OK;
@@ -191,11 +192,11 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
         status = begin_references(o, plan, &r, &error);
     }
     if (status == PL_OK) {
-        status = run_all(o, plan, r.due > 0 ? r.folder : NULL, store, provenance, &signal_number,
-                         &error);
+        status = run_all(o, plan, store, provenance, &signal_number, &error);
     }
     if (status == PL_OK && signal_number == 0) {
-        status = make_references(o, plan, provenance, &r, &signal_number, &error);
+        status = make_references(o, plan, pl_store_results(store), provenance, &r, &signal_number,
+                                 &error);
     }
     if (status == PL_OK && signal_number != 0) {
         pl_call_interrupted(call, json_array_size(pl_store_results(store)), o->request.out);

@@ -51,13 +51,24 @@ pl_status pl_reference_study_due(const pl_plan *plan, const json_t *before, int 
 
 /* ---- Runs of the compared configurations ---- */
 
-static bool has_positions(void *user, const char *run)
+/* Whether a run is known to leave no path to its end. */
+static bool is_hopeless(void *user, const char *run)
 {
+    static const pl_outcome hopeless[] = {PL_OUTCOME_CRASHED, PL_OUTCOME_TIMEOUT,
+                                          PL_OUTCOME_UNSUPPORTED};
     const pl_reference_study_def *def = user;
-    char *path = pl_positions_path(def->execution.positions, run);
-    const bool has = path != NULL && access(path, R_OK) == 0;
-    free(path);
-    return has;
+    size_t index;
+    const json_t *result;
+    json_array_foreach(def->results, index, result)
+    {
+        for (size_t i = 0; i < sizeof hopeless / sizeof hopeless[0]; ++i) {
+            if (strcmp(pl_json_get_text(result, "run"), run) == 0 &&
+                strcmp(pl_json_get_text(result, "outcome"), pl_outcome_name(hopeless[i])) == 0) {
+                return true;
+            }
+        }
+    }
+    return false;
 }
 
 static pl_status drop_result(void *user, json_t *result, pl_error *error)
@@ -68,8 +79,8 @@ static pl_status drop_result(void *user, json_t *result, pl_error *error)
     return PL_OK;
 }
 
-/* Makes the runs of a case again that left no positions. */
-static pl_status complete_positions(const pl_reference_study_def *def, pl_case *test_case,
+/* Makes the runs of a case again, with their positions. */
+static pl_status run_with_positions(const pl_reference_study_def *def, pl_case *test_case,
                                     pl_progress *bar, int *signal_number, pl_error *error)
 {
     const pl_plan *plan = def->execution.plan;
@@ -87,7 +98,7 @@ static pl_status complete_positions(const pl_reference_study_def *def, pl_case *
                                         .provenance = def->execution.provenance,
                                         .bar = bar,
                                         .user = &user,
-                                        .skip = has_positions,
+                                        .skip = is_hopeless,
                                         .keep = drop_result};
     long due = 0;
     pl_status status = pl_execution_due(&execution, &due, error);
@@ -144,7 +155,7 @@ static pl_status judge_case(const pl_reference_study_def *def, pl_case *test_cas
     json_t *sentences = json_array();
     making.execution.bar = bar;
     *item = NULL;
-    pl_status status = complete_positions(def, test_case, bar, signal_number, error);
+    pl_status status = run_with_positions(def, test_case, bar, signal_number, error);
     if (status == PL_OK && *signal_number == 0) {
         status = pl_reference_make(&making, &reference, signal_number, error);
     }

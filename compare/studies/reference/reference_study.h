@@ -7,10 +7,12 @@
 
 /* What to judge. The pointers are borrowed. */
 typedef struct pl_reference_study_def {
-    /* The plan, jobs, limits, provenance and progress are used. Of the plan's first repeats,
-     * `positions` is the folder of their paths; runs that left none there are made again. It must
-     * exist. */
+    /* The plan, jobs, limits, provenance and progress are used. `positions` is an existing folder for
+     * the paths. The plan's first repeats are run again for theirs, so that the file of a path is open
+     * in no run whose result counts. */
     pl_execution_def execution;
+    const json_t
+        *results; /* of the plan: what crashed, timed out or was refused is not run again */
     const json_t
         *before; /* an earlier outcome, whose cases are kept where nothing changed; or NULL */
 } pl_reference_study_def;
