@@ -48,6 +48,7 @@ compare/studies/sweep:       SCENE compare/include adapters engines metrics resu
 compare/studies/tune:        SCENE compare/include adapters engines metrics results runner variant
 compare/studies/threshold:   SCENE compare/include engines results runner
 compare/studies/ensemble:    SCENE compare/include engines geometry metrics results runner
+compare/studies/reference:   SCENE compare/include adapters engines metrics results runner ensemble
 compare/studies/metamorphic: SCENE compare/include engines geometry results runner
 compare/studies/iterations:  SCENE compare/include adapters engines metrics results runner
 compare/studies/solve:       SCENE compare/include engine/include adapters engines results runner
@@ -59,7 +60,7 @@ compare:                     command
 group() {
     case $1 in
     SCENE) echo status.h base.h vec.h scene_data.h scenarios/include scenarios/base ;;
-    STUDIES) echo variant sweep tune threshold ensemble metamorphic iterations solve ;;
+    STUDIES) echo variant sweep tune threshold ensemble reference metamorphic iterations solve ;;
     *) echo "$1" ;;
     esac
 }

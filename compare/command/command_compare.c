@@ -1,5 +1,6 @@
 /* plumb compare: scenarios on engines side by side. Results are appended to DIR/results.jsonl as
- * runs end; the report is made at the end from all results in that file. */
+ * runs end; the report is made at the end from all results in that file. Scene files that expect
+ * nothing get a converged reference, DIR/reference.json. */
 #include "base/folding.h"
 #include "open_page.h"
 #include "report/report.h"
@@ -8,6 +9,7 @@
 #include "runner/execute.h"
 #include "runner/recording.h"
 #include "studies/iterations/iterations_to_tolerance.h"
+#include "studies/reference/reference_study.h"
 
 #include <stdlib.h>
 #include <unistd.h>
@@ -17,8 +19,18 @@ typedef struct options {
     int repeats;
     bool tolerance;     /* --iterations-to-tolerance */
     bool no_recordings; /* --no-recordings */
+    bool no_reference;  /* --no-reference */
     bool open;          /* --open */
 } options;
+
+/* Converged references of the scene files that expect nothing. */
+typedef struct references {
+    char *folder;    /* of the paths of runs, while they are needed */
+    char *path;      /* of reference.json */
+    json_t *before;  /* what is there already; NULL: nothing */
+    json_t *outcome; /* NULL: none */
+    int due;         /* cases to judge */
+} references;
 
 /* What the callbacks of runs need. */
 typedef struct keeper {
@@ -51,17 +63,22 @@ static void print_table(const json_t *results)
 
 /* Report, --json and table, of all results in the store; the table last, because a reader of it
  * that leaves early ends the program. */
-static pl_status deliver(const options *o, json_t *results, pl_error *error)
+static pl_status deliver(const options *o, json_t *results, const json_t *reference,
+                         pl_error *error)
 {
     const char *const folders[] = {o->request.out};
-    const pl_report_def def = {
-        .directory = o->request.out, .results = results, .folders = folders, .folder_count = 1};
+    const pl_report_def def = {.directory = o->request.out,
+                               .results = results,
+                               .folders = folders,
+                               .folder_count = 1,
+                               .reference = reference};
     pl_status status = pl_report_write(&def, error);
     if (status == PL_OK) {
         status = pl_results_write_json(o->request.json, results, error);
     }
     if (!pl_is_stdout(o->request.json)) {
         print_table(results);
+        pl_reference_study_print(stdout, reference);
     }
     if (status == PL_OK) {
         size_t count = json_array_size(results);
@@ -140,11 +157,62 @@ static pl_status prepare_recordings(const options *o, char **folder, pl_error *e
     return pl_make_directories(path, error);
 }
 
+/* Looks which references are due. The directory of results exists. The caller frees *r in any case. */
+static pl_status begin_references(const options *o, const pl_plan *plan, references *r,
+                                  pl_error *error)
+{
+    if (asprintf(&r->folder, "%s/reference-paths", o->request.out) < 0 ||
+        asprintf(&r->path, "%s/reference.json", o->request.out) < 0) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    r->before = o->request.resume ? json_load_file(r->path, 0, NULL) : NULL;
+    if (!o->request.resume) {
+        unlink(r->path);
+    }
+    pl_reference_study_clear(r->folder);
+    pl_status status =
+        o->no_reference ? PL_OK : pl_reference_study_due(plan, r->before, &r->due, error);
+    return status == PL_OK && r->due > 0 ? pl_make_directories(r->folder, error) : status;
+}
+
+/* Makes the references and writes them. */
+static pl_status make_references(const options *o, const pl_plan *plan, const json_t *results,
+                                 json_t *provenance, references *r, int *signal_number,
+                                 pl_error *error)
+{
+    const pl_reference_study_def def = {.execution = {.plan = plan,
+                                                      .jobs = o->request.jobs,
+                                                      .limits = o->request.limits,
+                                                      .positions = r->folder,
+                                                      .provenance = provenance,
+                                                      .progress = stderr},
+                                        .results = results,
+                                        .before = r->before};
+    if (o->no_reference || pl_reference_study_cases(plan) == 0) {
+        return PL_OK;
+    }
+    pl_status status = pl_reference_study(&def, &r->outcome, signal_number, error);
+    if (status == PL_OK && r->outcome != NULL) {
+        status = pl_results_write_json(r->path, r->outcome, error);
+    }
+    pl_reference_study_clear(r->folder);
+    return status;
+}
+
+static void free_references(references *r)
+{
+    free(r->folder);
+    free(r->path);
+    json_decref(r->before);
+    json_decref(r->outcome);
+}
+
 /* Runs what is due and delivers. */
 static int execute(const pl_call *call, const options *o, const pl_plan *plan)
 {
     pl_error error = {.message = ""};
     pl_store *store = NULL;
+    references r = {.due = 0};
     int signal_number = 0;
     int code = PL_EXIT_OK;
     json_t *provenance = pl_call_provenance(call, &error);
@@ -156,16 +224,24 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
         status = prepare_recordings(o, &recordings, &error);
     }
     if (status == PL_OK) {
+        status = begin_references(o, plan, &r, &error);
+    }
+    if (status == PL_OK) {
         status = run_all(o, plan, store, provenance, recordings, &signal_number, &error);
     }
     free(recordings);
+    if (status == PL_OK && signal_number == 0) {
+        status = make_references(o, plan, pl_store_results(store), provenance, &r, &signal_number,
+                                 &error);
+    }
     if (status == PL_OK && signal_number != 0) {
         pl_call_interrupted(call, json_array_size(pl_store_results(store)), o->request.out);
     } else if (status == PL_OK) {
-        status = deliver(o, pl_store_results(store), &error);
+        status = deliver(o, pl_store_results(store), r.outcome, &error);
         code = pl_results_all_unsupported(pl_store_results(store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     }
     pl_store_close(store);
+    free_references(&r);
     json_decref(provenance);
     return pl_call_end(call, status, &error, signal_number, code);
 }
@@ -207,6 +283,8 @@ static const pl_option OPTIONS[] = {
      PL_OPTION_FLAG, .field = offsetof(options, no_recordings)},
     {"open", NULL, "Open the page at the end, as plumb view does", PL_OPTION_FLAG,
      .field = offsetof(options, open)},
+    {"no-reference", NULL, "Make no converged reference for scene files that expect nothing",
+     PL_OPTION_FLAG, .field = offsetof(options, no_reference)},
     {"suite", NULL,
      "All scenarios of a suite (repeatable; default canonical when no scenario is named)",
      .kind = PL_OPTION_HELP},
@@ -220,7 +298,10 @@ const pl_command pl_command_compare = {
     .description =
         "Runs scenarios on engines side by side, each run in a process of its own, prints a table "
         "and writes a report. An engine that crashes, hangs or fails is a row of the table; the "
-        "command still succeeds.",
+        "command still succeeds. For a scene file without \"expect\" a converged reference is "
+        "made, "
+        "from two engines at ever smaller steps, and sentences after the table say which engine "
+        "differs from it in which body, by how much and from when on.",
     .notes = "Examples:\n"
              "  plumb compare\n"
              "  plumb compare tower wall --engine plumb --engine ode:quick --repeat 5\n"

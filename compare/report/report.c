@@ -315,7 +315,7 @@ static pl_status make_page(const pl_report_def *def, const pl_report *report, pl
     json_t *data = NULL;
     pl_status status = pl_page_data(report, &data, error);
     if (status == PL_OK && def->reference != NULL) {
-        json_object_set(data, "reference", def->reference);
+        json_object_set_new(data, "reference", json_deep_copy(def->reference));
     }
     if (status == PL_OK) {
         pl_page_open(out);

@@ -17,8 +17,9 @@ typedef struct pl_report_def {
     json_t *results;
     const char *const *folders; /* (folder_count) that may have recordings/RUN.json of the runs */
     int folder_count;
-    const char *only;  /* the one file to write; NULL: all */
-    json_t *reference; /* plumb.reference/1 of scenes without an expected result; NULL: none */
+    const char *only; /* the one file to write; NULL: all */
+    /* plumb.reference/1 of scenes without an expected result; NULL: none */
+    const json_t *reference;
 } pl_report_def;
 
 /* Writes results.csv (a row for each run and metric), runs.csv (a row for each run), summary.md

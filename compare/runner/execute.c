@@ -178,6 +178,7 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
                               .trajectory = e->def->trajectory,
                               .positions = free_slot->positions,
                               .recording = free_slot->recording,
+                              .positions_stride = e->def->positions_stride,
                               .capture = e->def->capture};
             if (status == PL_OK && choice->engine->fault.is_fault) {
                 status = report_fault(e, &choice->engine->fault, scene, identity, error);

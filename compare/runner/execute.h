@@ -17,6 +17,7 @@ typedef struct pl_execution_def {
     const pl_capture *capture; /* of such a plan too; NULL: none */
     const char *positions;     /* folder that gets RUN.positions of every run; NULL: none */
     const char *recordings;    /* folder that gets RUN.json, a recording of every run; NULL: none */
+    long positions_stride;     /* steps from one of their samples to the next; 0: the default */
     json_t *provenance;        /* pl_provenance */
     FILE *progress;            /* where progress is shown; NULL: nowhere */
     /* A bar that several executions share, begun and ended by the caller with the runs of all in

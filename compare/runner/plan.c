@@ -186,6 +186,28 @@ pl_status pl_plan_add_scene_file(pl_plan *plan, const char *path, double dt, dou
     return add_case(plan, &test_case, path, error);
 }
 
+pl_status pl_plan_add_copy(pl_plan *plan, const pl_case *original, pl_error *error)
+{
+    pl_case test_case = {.scene = pl_scene_default()};
+    const int refinement = plan->variation.refinement;
+    char *text = pl_scene_to_text(&original->scene);
+    if (text == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %s", original->name);
+    }
+    pl_status status =
+        pl_scene_read_text(text, strlen(text), original->name, &test_case.scene, error);
+    free(text);
+    if (status == PL_OK && refinement > 1) {
+        status = override_times(&test_case.scene, original->name, original->scene.dt / refinement,
+                                NAN, error);
+    }
+    if (status != PL_OK) {
+        pl_scene_free(&test_case.scene);
+        return status;
+    }
+    return add_case(plan, &test_case, original->name, error);
+}
+
 static bool is_same_choice(const pl_engine_choice *a, const pl_engine_choice *b)
 {
     return a->engine == b->engine && a->profile == b->profile &&

@@ -85,6 +85,11 @@ void pl_settings_make(const pl_scenario *scenario, const double *values, pl_sett
 pl_status pl_plan_add_scene_file(pl_plan *plan, const char *path, double dt, double duration,
                                  pl_error *error);
 
+/* Adds a copy of a case of a scene file, also of one that was read from standard input, with the
+ * variation of the plan. Its time step is that of `original` divided by the refinement. Returns as
+ * pl_plan_add_scene_file. */
+pl_status pl_plan_add_copy(pl_plan *plan, const pl_case *original, pl_error *error);
+
 /* Adds an engine by its SPEC. A configuration that the plan already has is not added again; another
  * one of the same label is PL_BAD_INPUT, because their rows could not be distinguished. */
 pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error);

@@ -30,20 +30,25 @@ int pl_positions_bodies(const pl_scene *scene)
     return count;
 }
 
-static header header_of(const pl_scene *scene)
+static long stride_of(const pl_scene *scene, long stride)
+{
+    return stride > 0 ? stride : pl_positions_stride(scene->dt);
+}
+
+static header header_of(const pl_scene *scene, long stride)
 {
     header h = {.bodies = pl_positions_bodies(scene),
-                .interval = (double)pl_positions_stride(scene->dt) * scene->dt};
-    memcpy(h.magic, "plumbpos", sizeof h.magic);
+                .interval = (double)stride_of(scene, stride) * scene->dt};
+    memcpy(h.magic, "plumbps2", sizeof h.magic);
     return h;
 }
 
-pl_status pl_positions_create(const char *path, const pl_scene *scene, pl_positions_writer *writer,
-                              pl_error *error)
+pl_status pl_positions_create(const char *path, const pl_scene *scene, long stride,
+                              pl_positions_writer *writer, pl_error *error)
 {
-    const header h = header_of(scene);
-    *writer = (pl_positions_writer){
-        .path = path, .scene = scene, .stride = pl_positions_stride(scene->dt)};
+    const header h = header_of(scene, stride);
+    *writer =
+        (pl_positions_writer){.path = path, .scene = scene, .stride = stride_of(scene, stride)};
     writer->sample = calloc(3 * (size_t)h.bodies + 1, sizeof *writer->sample);
     if (writer->sample == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
@@ -69,9 +74,9 @@ pl_status pl_positions_write(pl_positions_writer *writer, long step, const pl_fr
             pl_vec start = pl_centre_of_mass(&body->shape, body->position, body->orientation);
             pl_vec now = pl_centre_of_mass(&body->shape, state->position, state->orientation);
             pl_vec displacement = pl_vec_sub(now, start);
-            writer->sample[next++] = (float)displacement.x;
-            writer->sample[next++] = (float)displacement.y;
-            writer->sample[next++] = (float)displacement.z;
+            writer->sample[next++] = displacement.x;
+            writer->sample[next++] = displacement.y;
+            writer->sample[next++] = displacement.z;
         }
     }
     if (fwrite(writer->sample, sizeof *writer->sample, next, writer->file) != next ||
@@ -90,9 +95,9 @@ void pl_positions_end(pl_positions_writer *writer)
     *writer = (pl_positions_writer){.file = NULL};
 }
 
-FILE *pl_positions_open(const char *path, const pl_scene *scene)
+FILE *pl_positions_open(const char *path, const pl_scene *scene, long stride)
 {
-    const header expected = header_of(scene);
+    const header expected = header_of(scene, stride);
     header found;
     FILE *file = fopen(path, "re");
     if (file != NULL && (fread(&found, sizeof found, 1, file) != 1 ||
@@ -104,7 +109,7 @@ FILE *pl_positions_open(const char *path, const pl_scene *scene)
     return file;
 }
 
-bool pl_positions_read(FILE *file, int bodies, float *sample)
+bool pl_positions_read(FILE *file, int bodies, double *sample)
 {
     size_t count = 3 * (size_t)bodies;
     return fread(sample, sizeof *sample, count, file) == count;

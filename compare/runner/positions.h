@@ -1,7 +1,7 @@
 /* A compact trajectory: where the dynamic bodies' centres of mass are, at most 60 times a second.
  *
- * The file has a header, then for each sample a 32-bit float for each axis of each dynamic body:
- * the displacement from its start in m, in the byte order of the machine. Samples are written
+ * The file has a header, then for each sample a double for each axis of each dynamic body: the
+ * displacement from its start in m, in the byte order of the machine. Samples are written
  * whole, so that a run that ends early leaves whole samples. */
 #ifndef PLUMB_POSITIONS_H
 #define PLUMB_POSITIONS_H
@@ -24,12 +24,13 @@ typedef struct pl_positions_writer {
     const char *path;
     const pl_scene *scene;
     long stride;
-    float *sample; /* (3 x bodies) */
+    double *sample; /* (3 x bodies) */
 } pl_positions_writer;
 
-/* Opens `path`, which is replaced; it and `scene` must outlive the writer. PL_IO, PL_NO_MEMORY. */
-pl_status pl_positions_create(const char *path, const pl_scene *scene, pl_positions_writer *writer,
-                              pl_error *error);
+/* Opens `path`, which is replaced; it and `scene` must outlive the writer. A sample is written every
+ * `stride` steps; 0: every pl_positions_stride. PL_IO, PL_NO_MEMORY. */
+pl_status pl_positions_create(const char *path, const pl_scene *scene, long stride,
+                              pl_positions_writer *writer, pl_error *error);
 
 /* Writes the state after step `step` (0: before the first) if a sample is due. PL_IO. */
 pl_status pl_positions_write(pl_positions_writer *writer, long step, const pl_frame *frame,
@@ -38,11 +39,11 @@ pl_status pl_positions_write(pl_positions_writer *writer, long step, const pl_fr
 /* Closes the file, if one was opened. */
 void pl_positions_end(pl_positions_writer *writer);
 
-/* Opens such a file of a run of `scene` for pl_positions_read; NULL when there is none that fits
- * the scene. */
-FILE *pl_positions_open(const char *path, const pl_scene *scene);
+/* Opens such a file of a run of `scene`, written with the same stride, for pl_positions_read; NULL
+ * when there is none that fits the scene. */
+FILE *pl_positions_open(const char *path, const pl_scene *scene, long stride);
 
 /* Reads the next sample, (3 x bodies); false at the end of the file. */
-bool pl_positions_read(FILE *file, int bodies, float *sample);
+bool pl_positions_read(FILE *file, int bodies, double *sample);
 
 #endif

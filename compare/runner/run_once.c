@@ -121,7 +121,8 @@ static pl_status prepare(run *r, pl_error *error)
         status = write_header(r->def->trajectory, error);
     }
     if (status == PL_OK && r->def->positions != NULL) {
-        status = pl_positions_create(r->def->positions, scene, &r->positions, error);
+        status = pl_positions_create(r->def->positions, scene, r->def->positions_stride,
+                                     &r->positions, error);
     }
     if (status == PL_OK && r->def->recording != NULL) {
         status = pl_recorder_create(r->def->recording, scene, &r->recorder, error);

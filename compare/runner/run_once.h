@@ -32,6 +32,7 @@ typedef struct pl_run_def {
     FILE *trajectory;          /* gets every frame as CSV; NULL: none */
     const char *positions;     /* file that gets a compact trajectory (positions.h); NULL: none */
     const char *recording;     /* raw file that gets a recording (recording.h); NULL: none */
+    long positions_stride;     /* steps from one of its samples to the next; 0: the default */
     const pl_capture *capture; /* NULL: none; otherwise the engine exports contact problems */
     /* s of CPU time: a run of which create, steps and reads have taken more is not gone on with. A
      * call that does not return is ended by isolated_run.h. 0: no limit */

@@ -82,7 +82,7 @@ static void write_member(const fixture *f, int member, double speed, long steps)
     assert_true(scene->body_count <= 8);
     pl_member_run(&f->plan, ensemble, member, run);
     char *path = pl_positions_path(f->folder, run);
-    assert_int_equal(pl_positions_create(path, scene, &writer, NULL), PL_OK);
+    assert_int_equal(pl_positions_create(path, scene, 0, &writer, NULL), PL_OK);
     for (long step = 0; step <= steps; ++step) {
         for (int i = 0; i < scene->body_count; ++i) {
             memcpy(states[i].position, scene->bodies[i].position, sizeof states[i].position);

@@ -36,8 +36,21 @@ export function remark(test, cell) {
 
 const fastest = (test) => Math.min(...test.cells.filter((c) => c?.style === 'ok').map((c) => timeOf(c) ?? Infinity));
 
-function matrixCell(test, cell, least) {
+/* How far a run of a scene without an expected result is from its converged reference: {distance,
+ * differs}; null where there is none. */
+function fromReference(report, test, name) {
+  const bodies = report.reference?.cases?.find((c) => c.name === test.scenario && c.known)?.bodies ?? [];
+  const found = bodies.flatMap((b) => b.configurations.filter((c) => c.label === name));
+  return found.length === 0 ? null : { distance: Math.max(...found.map((c) => c.final_distance ?? 0)), differs: found.some((c) => c.differs_from !== null) };
+}
+
+function matrixCell(report, test, index, least) {
+  const cell = test.cells[index], judged = cell && cell.style === undefined ? fromReference(report, test, report.engines[index].name) : null;
   if (cell === null) return { text: '', style: 'none', value: null, title: 'not run' };
+  if (judged !== null) {
+    return { style: judged.differs ? 'd4' : 'd1', value: judged.distance, title: `ends ${number(judged.distance, 'm')} from the converged reference`,
+      children: [h('span', { class: 'mark', 'aria-label': judged.differs ? 'differs' : 'agrees', role: 'img' }, judged.differs ? marks.poor : marks.ok), h('span', { class: 'word' }, `${digits(judged.distance, 2)} m`), h('small', {}, judged.differs ? 'differs' : 'agrees')] };
+  }
   const error = errorOf(cell), time = timeOf(cell), said = remark(test, cell);
   const word = cell.style === 'bad' ? cell.verdict.replace(/^failed: /, '') : cell.style === 'none' ? 'none' : '';
   const mark = cell.style === undefined ? '○' : marks[cell.style];
@@ -46,7 +59,7 @@ function matrixCell(test, cell, least) {
     style: decade(test, cell), value: error ?? (cell.style === 'bad' ? Infinity : null),
     title: [cell.verdict, cell.why, `${test.primary_error ?? 'no reference'}: ${cell.metrics.reference_error?.[1] ?? '–'}`, time === null ? '' : `${number(time, 's')} a step`].filter(Boolean).join('\n'),
     children: [h('span', { class: 'mark', 'aria-label': cell.verdict, role: 'img' }, mark), h('span', { class: 'word' }, word || (error === null ? '' : digits(error, 2))),
-      h('small', {}, [said || (word && error !== null ? digits(error, 2) : ''), cost].filter(Boolean).map((text) => h('span', {}, text, ' ')), '\u00a0')] };
+      h('small', {}, [said || (word && error !== null ? digits(error, 2) : ''), cost].filter(Boolean).flatMap((text) => [h('span', {}, text), ' ']), '\u00a0')] };
 }
 
 function sentences(report) {
@@ -65,7 +78,7 @@ function matrix(report) {
   const columns = [{ name: 'scenario', title: 'sort by scenario' }, ...report.engines.map((e) => ({ name: e.name, right: true, lines: true })), { name: 'bound', right: true, title: 'the largest error of an accurate run' }];
   const rows = report.cases.map((test, i) => {
     const least = fastest(test);
-    return [{ text: test.name, value: i, title: test.title, children: h('a', { href: `#case-${i}` }, test.name) }, ...test.cells.map((cell) => matrixCell(test, cell, least)),
+    return [{ text: test.name, value: i, title: test.title, children: h('a', { href: `#case-${i}` }, test.name) }, ...test.cells.map((_, k) => matrixCell(report, test, k, least)),
       { text: test.bound_text ?? '–', value: test.bound ?? null, title: [test.primary_error, test.bound_reason].filter(Boolean).join(': ') }];
   });
   return table({ caption: 'Error of each engine in each scenario; below it the time of a step, relative to the fastest accurate run', columns, rows, style: 'matrix', most: 60 });
@@ -125,7 +138,7 @@ export function overview(report, styles) {
   const judged = report.engines.some((e) => e.counts.accurate + e.counts.inaccurate + e.counts.failed > 0);
   const part = section('overview', `${plural(report.cases.length, 'scenario')}, ${plural(report.engines.length, 'engine configuration')}`,
     sentences(report),
-    reference.length > 0 ? h('ul', { class: 'sentences reference' }, reference.map((s) => h('li', {}, s))) : null,
+    reference.length > 0 ? h('ul', { class: 'sentences reference' }, reference.map((s) => h('li', {}, `${s}.`))) : null,
     judged || reference.length > 0 ? null : p('No run was judged: the scenes state no expected result.', 'note'),
     report.several_hosts ? h('p', { class: 'warn' }, 'These runs come from several machines: their times cannot be compared with each other.') : null,
     report.disagrees ? h('p', { class: 'warn' }, 'Some repeats of the same run differ where they should agree. Their scenarios say which.') : null,

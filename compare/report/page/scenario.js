@@ -87,9 +87,9 @@ function fill(body, report, test, styles) {
   } else {
     body.append(h('p', { class: 'note' }, `No pictures: ${test.scene_error}.`));
   }
-  const said = report.reference?.cases?.find((c) => c.name === test.name);
+  const said = report.reference?.cases?.find((c) => c.name === test.scenario);
   add(body, [
-    said ? h('ul', {}, said.sentences.map((s) => h('li', {}, s))) : null,
+    said ? h('ul', {}, said.sentences.map((s) => h('li', {}, `${s}.`))) : null,
     p(test.description ?? 'A scene that is not in the catalogue.'),
     facts([['Right answer', test.reference && h('span', { class: 'formula' }, test.reference)], ['Source', test.source], ['Expected', test.expected],
       ['Accurate', test.bound_text && [h('code', {}, test.primary_error), ` of at most ${test.bound_text}`, test.bound_reason ? `: ${test.bound_reason}` : '']], ['Valid', test.validity], ['Provokes', test.provokes]]),

@@ -13,7 +13,7 @@ static const double share_of_size = 0.01;
 /* One member's open trajectory. */
 typedef struct track {
     FILE *file;
-    float *moved;  /* (3 x bodies): the displacement from the start, as read */
+    double *moved; /* (3 x bodies): the displacement from the start, as read */
     double *start; /* (3 x bodies) */
     double *place; /* (3 x bodies) */
 } track;
@@ -75,7 +75,7 @@ static pl_status open_track(const char *folder, const char *run, const pl_scene 
         free(path);
         return pl_fail(error, PL_NO_MEMORY, "out of memory for a trajectory");
     }
-    t->file = pl_positions_open(path, scene);
+    t->file = pl_positions_open(path, scene, 0);
     store_starts(scene, t->start);
     free(path);
     return PL_OK;
@@ -87,7 +87,7 @@ static bool read_sample(track *t, int bodies)
         return false;
     }
     for (int i = 0; i < 3 * bodies; ++i) {
-        t->place[i] = t->start[i] + (double)t->moved[i];
+        t->place[i] = t->start[i] + t->moved[i];
     }
     return true;
 }

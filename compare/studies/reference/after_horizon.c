@@ -1,0 +1,391 @@
+#include "after_horizon.h"
+
+#include "studies/ensemble/horizon.h"
+#include "studies/ensemble/sample.h"
+#include "studies/ensemble/two_sample.h"
+#include "studies/ensemble/verdict.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+const double pl_reference_most_member_work = 2.5e4;
+
+/* ---- Runs ---- */
+
+/* The members of several engines, with their results. */
+typedef struct crowd {
+    const pl_case *original;
+    int refinement;
+    pl_plan plan;
+    pl_ensembles ensembles;
+    json_t *results; /* array */
+    json_t *by_run;
+} crowd;
+
+static pl_status add_case(void *user, int setting, pl_plan *plan, pl_error *error)
+{
+    const crowd *c = user;
+    (void)setting;
+    plan->variation.refinement = c->refinement;
+    return pl_plan_add_copy(plan, c->original, error);
+}
+
+static pl_status keep_result(void *user, json_t *result, pl_error *error)
+{
+    return json_array_append(user, result) == 0
+               ? PL_OK
+               : pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
+}
+
+/* Plans and runs the members of the plan's configurations. */
+static pl_status run_crowd(const pl_reference_def *def, crowd *c, int *signal_number,
+                           pl_error *error)
+{
+    const pl_members_def members = {.members = PL_REFERENCE_MEMBERS, .user = c, .add = add_case};
+    c->results = json_array();
+    c->plan.seed = def->execution.plan->seed;
+    pl_status status = c->results == NULL
+                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for results")
+                           : pl_members_plan(&members, &c->plan, &c->ensembles, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    const pl_execution_def execution = {.plan = &c->plan,
+                                        .jobs = def->execution.jobs,
+                                        .limits = def->execution.limits,
+                                        .positions = def->execution.positions,
+                                        .provenance = def->execution.provenance,
+                                        .bar = def->execution.bar,
+                                        .user = c->results,
+                                        .keep = keep_result};
+    if (execution.bar != NULL) {
+        execution.bar->total += pl_plan_size(&c->plan);
+    }
+    status = pl_execute(&execution, signal_number, error);
+    if (status == PL_OK) {
+        c->by_run = pl_results_by_run(c->results);
+        status = c->by_run == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    }
+    return status;
+}
+
+static void free_crowd(crowd *c)
+{
+    json_decref(c->results);
+    json_decref(c->by_run);
+    pl_ensembles_free(&c->ensembles);
+    pl_plan_free(&c->plan);
+}
+
+/* ---- Tests ---- */
+
+/* Where a body (index in the scene) ends along an axis, in the members that ran to their end. Returns
+ * how many they are. */
+static int ends_of(const crowd *c, int ensemble, int body, int axis,
+                   double ends[PL_REFERENCE_MEMBERS])
+{
+    int count = 0;
+    for (int k = 0; k < PL_REFERENCE_MEMBERS; ++k) {
+        char run[17];
+        pl_member_run(&c->plan, &c->ensembles.items[ensemble], k, run);
+        const json_t *result = json_object_get(c->by_run, run);
+        const json_t *steps = json_object_get(result, "steps");
+        const json_t *pose = json_array_get(json_object_get(result, "final_poses"), (size_t)body);
+        if (json_is_array(pose) &&
+            json_equal(json_object_get(steps, "asked"), json_object_get(steps, "done"))) {
+            ends[count++] = json_number_value(json_array_get(pose, (size_t)axis));
+        }
+    }
+    return count;
+}
+
+/* Pools the ends of the reference's members and of an engine's. Fewer than two on a side leave the
+ * pool empty. */
+static pl_status pool_ends(const crowd *own, const crowd *others, const pl_end_test *test,
+                           int scene_body, pl_pool *pool, pl_error *error)
+{
+    double a[PL_REFERENCE_MEMBERS], b[PL_REFERENCE_MEMBERS];
+    const int count_a = ends_of(own, 0, scene_body, test->axis, a);
+    const int count_b = ends_of(others, test->engine, scene_body, test->axis, b);
+    *pool = (pl_pool){.count = 0};
+    return count_a < 2 || count_b < 2 ? PL_OK : pl_pool_make(a, count_a, b, count_b, pool, error);
+}
+
+static int by_ks(const void *a, const void *b)
+{
+    const pl_end_test *s = a, *t = b;
+    return (s->ks < t->ks) - (s->ks > t->ks);
+}
+
+/* The chance of each difference; the tests come in the order of decreasing differences. */
+static pl_status find_chances(const crowd *own, const crowd *others, const pl_reference *reference,
+                              pl_after_horizon *after, pl_error *error)
+{
+    const size_t count = (size_t)after->test_count + 1;
+    double *p = calloc(count, sizeof *p), *corrected = calloc(count, sizeof *corrected);
+    pl_status status = p == NULL || corrected == NULL
+                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for tests")
+                           : PL_OK;
+    qsort(after->tests, (size_t)after->test_count, sizeof *after->tests, by_ks);
+    for (int i = 0; i < after->test_count && status == PL_OK; ++i) {
+        pl_end_test *test = &after->tests[i];
+        pl_pool pool = {.count = 0};
+        test->p = 1;
+        if (i < PL_REFERENCE_MOST_TESTS) {
+            status = pool_ends(own, others, test, reference->body[test->body], &pool, error);
+        }
+        if (status == PL_OK && pool.count > 0) {
+            status = pl_permutation_p(&pool, &test->p, error);
+        }
+        pl_pool_free(&pool);
+        p[i] = test->p;
+    }
+    if (status == PL_OK) {
+        status = pl_holm(p, after->test_count, corrected, error);
+    }
+    for (int i = 0; i < after->test_count && status == PL_OK; ++i) {
+        after->tests[i].corrected = corrected[i];
+    }
+    free(p);
+    free(corrected);
+    return status;
+}
+
+static pl_status test_ends(const crowd *own, const crowd *others, const pl_reference *reference,
+                           pl_after_horizon *after, pl_error *error)
+{
+    pl_status status = PL_OK;
+    after->tests = calloc(3 * (size_t)reference->bodies * (size_t)others->ensembles.count + 1,
+                          sizeof *after->tests);
+    if (after->tests == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for tests");
+    }
+    for (int e = 0; e < others->ensembles.count; ++e) {
+        for (int k = 0; k < 3 * reference->bodies && status == PL_OK; ++k) {
+            pl_end_test test = {.engine = e, .body = k / 3, .axis = k % 3};
+            pl_pool pool = {.count = 0};
+            if (reference->horizon[test.body] < reference->samples) {
+                status = pool_ends(own, others, &test, reference->body[test.body], &pool, error);
+            }
+            if (status == PL_OK && pool.count > 0) {
+                test.ks = pl_kolmogorov_smirnov(&pool);
+                after->tests[after->test_count++] = test;
+            }
+            pl_pool_free(&pool);
+        }
+    }
+    return status == PL_OK ? find_chances(own, others, reference, after, error) : status;
+}
+
+/* ---- The whole ---- */
+
+/* Whether the members of the reference part. */
+static pl_status find_parting(const crowd *own, const char *folder, pl_after_horizon *after,
+                              pl_error *error)
+{
+    pl_horizon horizon;
+    pl_status status = pl_horizon_find(&own->plan, &own->ensembles.items[0], PL_REFERENCE_MEMBERS,
+                                       folder, &horizon, error);
+    if (status == PL_OK && horizon.known && isfinite(horizon.time)) {
+        after->parted = horizon.time;
+        after->chaotic = true;
+    }
+    return status;
+}
+
+static pl_status compare_crowds(const pl_reference_def *def, const pl_reference_verdict *verdict,
+                                pl_after_horizon *after, int *signal_number, pl_error *error)
+{
+    const pl_plan *plan = def->execution.plan;
+    crowd own = {.original = def->original,
+                 .refinement = PL_REFERENCE_MEMBER_REFINEMENT,
+                 .plan = {.repeats = 1}};
+    crowd others = {.original = def->original, .plan = {.repeats = 1}};
+    pl_status status = pl_plan_add_engine(&own.plan, pl_reference_engine, error);
+    if (status == PL_OK) {
+        status = run_crowd(def, &own, signal_number, error);
+    }
+    if (status == PL_OK && *signal_number == 0) {
+        after->made = true;
+        status = find_parting(&own, def->execution.positions, after, error);
+    }
+    for (int i = 0; i < plan->configuration_count && status == PL_OK; ++i) {
+        status = pl_plan_add_choice(&others.plan, &plan->configurations[i].choice,
+                                    plan->configurations[i].label, NULL, error);
+    }
+    if (status == PL_OK && *signal_number == 0 && after->chaotic) {
+        status = run_crowd(def, &others, signal_number, error);
+        if (status == PL_OK && *signal_number == 0) {
+            status = test_ends(&own, &others, verdict->reference, after, error);
+        }
+    }
+    free_crowd(&own);
+    free_crowd(&others);
+    return status;
+}
+
+pl_status pl_after_horizon_make(const pl_reference_def *def, const pl_reference_verdict *verdict,
+                                pl_after_horizon *after, int *signal_number, pl_error *error)
+{
+    const pl_reference *reference = verdict->reference;
+    const double work = (double)pl_scene_steps(&def->original->scene) * (double)reference->bodies;
+    *after = (pl_after_horizon){.from = reference->samples, .parted = (double)NAN};
+    *signal_number = 0;
+    for (int b = 0; b < reference->bodies; ++b) {
+        after->from = reference->horizon[b] < after->from ? reference->horizon[b] : after->from;
+    }
+    if (after->from == reference->samples) {
+        return PL_OK;
+    }
+    if (work > pl_reference_most_member_work) {
+        snprintf(
+            after->reason, sizeof after->reason,
+            "an ensemble would take more than %.0f steps times bodies a member: plumb ensemble "
+            "makes it",
+            pl_reference_most_member_work);
+        return PL_OK;
+    }
+    return compare_crowds(def, verdict, after, signal_number, error);
+}
+
+void pl_after_horizon_free(pl_after_horizon *after)
+{
+    free(after->tests);
+    *after = (pl_after_horizon){.from = 0};
+}
+
+/* ---- Sentences ---- */
+
+enum { MOST_NAMES = 3 };
+
+/* "box b", "box b and ball", "a, b, c and 4 more bodies" */
+static void add_names(pl_text_buffer *text, const pl_reference_verdict *v, const bool *wanted)
+{
+    int count = 0, named = 0;
+    for (int b = 0; b < v->reference->bodies; ++b) {
+        count += wanted[b];
+    }
+    for (int b = 0; b < v->reference->bodies && named < MOST_NAMES; ++b) {
+        if (wanted[b]) {
+            const bool last = named + 1 == count;
+            pl_text_format(text, "%s%s",
+                           named == 0 ? ""
+                           : last     ? " and "
+                                      : ", ",
+                           v->test_case->scene.bodies[v->reference->body[b]].name);
+            named += 1;
+        }
+    }
+    if (count > named) {
+        pl_text_format(text, " and %d more %s", count - named,
+                       count - named == 1 ? "body" : "bodies");
+    }
+}
+
+/* "bullet:si differs in where box b ends (p = 0.003)"; false where it does not differ. */
+static bool add_difference(pl_text_buffer *text, const pl_reference_verdict *v,
+                           const pl_after_horizon *after, int engine, bool *wanted)
+{
+    double least = 1;
+    int bodies = 0;
+    for (int b = 0; b < v->reference->bodies; ++b) {
+        wanted[b] = false;
+    }
+    for (int i = 0; i < after->test_count; ++i) {
+        const pl_end_test *t = &after->tests[i];
+        if (t->engine == engine && t->corrected < pl_significance) {
+            bodies += !wanted[t->body];
+            wanted[t->body] = true;
+            least = fmin(least, t->corrected);
+        }
+    }
+    if (bodies > 0) {
+        pl_text_format(text, "%s differs in where ", v->engines[engine].label);
+        add_names(text, v, wanted);
+        pl_text_format(text, " end%s (p = %.1g)", bodies == 1 ? "s" : "", least);
+    }
+    return bodies > 0;
+}
+
+/* " of box b and ball": the bodies that have a horizon, where others have none. */
+static void add_affected(pl_text_buffer *text, const pl_reference_verdict *v, bool *wanted)
+{
+    int affected = 0;
+    for (int b = 0; b < v->reference->bodies; ++b) {
+        wanted[b] = v->reference->horizon[b] < v->reference->samples;
+        affected += wanted[b];
+    }
+    if (affected < v->reference->bodies) {
+        pl_text_add(text, " of ");
+        add_names(text, v, wanted);
+    }
+}
+
+/* The first words of the first sentence: of which bodies the motion is chaotic, and from when on. */
+static void add_beginning(pl_text_buffer *text, const pl_reference_verdict *v,
+                          const pl_after_horizon *after, bool *wanted)
+{
+    pl_text_add(text, "The motion");
+    add_affected(text, v, wanted);
+    pl_text_format(text, " is chaotic from t = %.2g s on; as ensembles of %d members, ",
+                   (double)after->from * v->reference->interval, PL_REFERENCE_MEMBERS);
+}
+
+static pl_status say_unconverged(const pl_reference_verdict *v, const pl_after_horizon *after,
+                                 json_t *sentences, bool *wanted, pl_error *error)
+{
+    pl_text_buffer text = {0};
+    pl_text_add(&text, "The reference");
+    add_affected(&text, v, wanted);
+    pl_text_format(
+        &text, " has not converged from t = %.2g s on, and no engine is judged there%s%s",
+        (double)after->from * v->reference->interval, after->made ? "" : ": ", after->reason);
+    return pl_sentence_add(sentences, &text, error);
+}
+
+static pl_status say_ensembles(const pl_reference_verdict *v, const pl_after_horizon *after,
+                               json_t *sentences, bool *wanted, pl_error *error)
+{
+    pl_status status = PL_OK;
+    bool begun = false;
+    for (int e = 0; e < v->engine_count && status == PL_OK; ++e) {
+        pl_text_buffer text = {0}, difference = {0};
+        if (add_difference(&difference, v, after, e, wanted)) {
+            if (begun) {
+                pl_text_format(&text, "As ensembles, ");
+            } else {
+                add_beginning(&text, v, after, wanted);
+            }
+            pl_text_add(&text, difference.data == NULL ? "" : difference.data);
+            begun = true;
+            status = pl_sentence_add(sentences, &text, error);
+        }
+        pl_text_free(&difference);
+    }
+    if (!begun && status == PL_OK) {
+        pl_text_buffer text = {0};
+        add_beginning(&text, v, after, wanted);
+        pl_text_add(&text, "no engine differs from the reference in where a body ends");
+        status = pl_sentence_add(sentences, &text, error);
+    }
+    return status;
+}
+
+pl_status pl_after_horizon_sentences(const pl_reference_verdict *v, const pl_after_horizon *after,
+                                     json_t *sentences, pl_error *error)
+{
+    const pl_reference *reference = v->reference;
+    if (after->from == reference->samples) {
+        return PL_OK;
+    }
+    bool *wanted = calloc((size_t)reference->bodies, sizeof *wanted);
+    pl_status status =
+        wanted == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for a sentence") : PL_OK;
+    if (status == PL_OK && !after->chaotic) {
+        status = say_unconverged(v, after, sentences, wanted, error);
+    } else if (status == PL_OK) {
+        status = say_ensembles(v, after, sentences, wanted, error);
+    }
+    free(wanted);
+    return status;
+}

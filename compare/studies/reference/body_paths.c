@@ -1,0 +1,71 @@
+#include "body_paths.h"
+
+#include "runner/execute.h"
+#include "runner/positions.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static bool all_finite(const double *values, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        if (!isfinite(values[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+pl_status pl_body_paths_read(const char *folder, const char *run, const pl_scene *scene,
+                             long stride, pl_body_paths *paths, pl_error *error)
+{
+    const long whole = pl_scene_steps(scene) / stride + 1;
+    *paths = (pl_body_paths){.bodies = pl_positions_bodies(scene)};
+    const size_t row = 3 * (size_t)paths->bodies;
+    char *path = pl_positions_path(folder, run);
+    if (path == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for a path");
+    }
+    FILE *file = pl_positions_open(path, scene, stride);
+    free(path);
+    if (file == NULL) {
+        return PL_OK;
+    }
+    paths->moved = calloc((size_t)whole * row + 1, sizeof *paths->moved);
+    if (paths->moved == NULL) {
+        fclose(file);
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for a path");
+    }
+    while (paths->samples < whole) {
+        double *sample = &paths->moved[(size_t)paths->samples * row];
+        if (!pl_positions_read(file, paths->bodies, sample) || !all_finite(sample, row)) {
+            break;
+        }
+        paths->samples += 1;
+    }
+    fclose(file);
+    paths->completed = paths->samples == whole;
+    return PL_OK;
+}
+
+void pl_body_paths_free(pl_body_paths *paths)
+{
+    free(paths->moved);
+    *paths = (pl_body_paths){.bodies = 0};
+}
+
+double pl_body_paths_distance(const pl_body_paths *a, const pl_body_paths *b, int body, long sample)
+{
+    const size_t at = ((size_t)sample * (size_t)a->bodies + (size_t)body) * 3;
+    double square = 0;
+    for (size_t k = at; k < at + 3; ++k) {
+        const double d = a->moved[k] - b->moved[k];
+        square += d * d;
+    }
+    return sqrt(square);
+}
+
+long pl_body_paths_common(const pl_body_paths *a, const pl_body_paths *b)
+{
+    return a->samples < b->samples ? a->samples : b->samples;
+}

@@ -1,0 +1,449 @@
+#include "converged_reference.h"
+
+#include "halving_error.h"
+#include "plumb/jitter.h"
+#include "runner/positions.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const double pl_reference_most_work = 2e5;
+const double pl_reference_share = 0.01, pl_reference_least_bound = 1e-3, pl_reference_safety = 3;
+const double pl_reference_floor = 1e-6;
+
+const char pl_reference_engine[] = "plumb:accurate";
+const pl_reference_candidate pl_reference_candidates[PL_REFERENCE_CANDIDATES] = {
+    {"ode:dantzig", 30}, {"mujoco:recommended", 30}, {"bullet:recommended", INT_MAX}};
+
+/* The halvings end where the estimated error is at most this share of each body's bound. */
+static const double aim = 0.1;
+
+bool pl_reference_applies(const pl_case *test_case)
+{
+    const pl_scene *scene = &test_case->scene;
+    return test_case->descriptor == NULL && scene->rest_count + scene->travel_count == 0 &&
+           scene->value_count + scene->statistic_count == 0 && pl_positions_bodies(scene) > 0;
+}
+
+double pl_reference_bound(const pl_body *body)
+{
+    pl_body copy = *body;
+    const pl_scene alone = {.bodies = &copy, .body_count = 1};
+    return fmax(pl_reference_share * pl_scene_least_size(&alone), pl_reference_least_bound);
+}
+
+/* ---- Runs ---- */
+
+/* A reference in the making. */
+typedef struct making {
+    const pl_reference_def *def;
+    pl_reference *reference;
+    pl_plan plan; /* a case a level; the engines are the configurations */
+    json_t *last; /* results of the level in progress */
+} making;
+
+static pl_status keep_result(void *user, json_t *result, pl_error *error)
+{
+    const making *m = user;
+    return json_array_append(m->last, result) == 0
+               ? PL_OK
+               : pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
+}
+
+/* Keeps why an engine has no path at a level. */
+static void note_reason(making *m, int engine, pl_reference_runs *runs, double dt)
+{
+    size_t index;
+    const json_t *result;
+    json_array_foreach(m->last, index, result)
+    {
+        const char *reason = pl_json_get_text(result, "reason");
+        const char *outcome = pl_json_get_text(result, "outcome");
+        if (strcmp(pl_json_get_text(result, "label"), m->plan.configurations[engine].label) == 0) {
+            snprintf(runs->reason, sizeof runs->reason, "%.20s at a step of %.3g s%s%.180s",
+                     outcome, dt, reason[0] == '\0' ? "" : ": ", reason);
+        }
+    }
+}
+
+static double largest_distance(const pl_body_paths *a, const pl_body_paths *b)
+{
+    double largest = 0;
+    for (long i = 0; i < pl_body_paths_common(a, b); ++i) {
+        for (int body = 0; body < a->bodies; ++body) {
+            largest = fmax(largest, pl_body_paths_distance(a, b, body, i));
+        }
+    }
+    return largest;
+}
+
+/* Reads an engine's run at a level. A run that did not end well ends the engine's levels. */
+static pl_status take_run(making *m, int engine, int level, pl_error *error)
+{
+    pl_reference_runs *runs = &m->reference->engines[engine];
+    const pl_case *test_case = &m->plan.cases[level];
+    const pl_planned_run planned = {.test_case = test_case,
+                                    .configuration = &m->plan.configurations[engine]};
+    pl_body_paths *paths = &runs->levels[level];
+    char run[17];
+    pl_status status = pl_planned_run_hash(&m->plan, &planned, run, error);
+    if (status == PL_OK) {
+        status = pl_body_paths_read(m->def->execution.positions, run, &test_case->scene,
+                                    m->reference->stride << level, paths, error);
+    }
+    if (status != PL_OK) {
+        return status;
+    }
+    if (paths->completed && runs->count == level) {
+        runs->count += 1;
+        runs->change[level] =
+            level == 0 ? (double)NAN : largest_distance(paths, &runs->levels[level - 1]);
+    } else {
+        note_reason(m, engine, runs, test_case->scene.dt);
+    }
+    return PL_OK;
+}
+
+/* Whether an engine takes part in a level: it ran all before, and is the reference's own or chosen,
+ * or the choice is still to be made. */
+static bool takes_part(const pl_reference *reference, int engine, int level)
+{
+    return reference->engines[engine].count == level &&
+           (level < PL_REFERENCE_LEAST_LEVELS || engine == 0 || engine == reference->second);
+}
+
+static pl_status add_level(making *m, int level, pl_error *error)
+{
+    m->plan.variation = (pl_variation){.refinement = 1 << level};
+    pl_status status = pl_plan_add_copy(&m->plan, m->def->original, error);
+    m->plan.pairing_count = 0;
+    for (int i = 0; i < m->reference->engine_count && status == PL_OK; ++i) {
+        if (takes_part(m->reference, i, level)) {
+            status = pl_plan_add_pairing(&m->plan, level, i, error);
+        }
+    }
+    return status;
+}
+
+/* Runs the engines that take part in a level, and reads their paths. */
+static pl_status run_level(making *m, int level, int *signal_number, pl_error *error)
+{
+    const pl_execution_def *given = &m->def->execution;
+    pl_status status = add_level(m, level, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    const pl_execution_def execution = {.plan = &m->plan,
+                                        .jobs = given->jobs,
+                                        .limits = given->limits,
+                                        .positions = given->positions,
+                                        .positions_stride = m->reference->stride << level,
+                                        .provenance = given->provenance,
+                                        .bar = given->bar,
+                                        .user = m,
+                                        .keep = keep_result};
+    if (given->bar != NULL) {
+        given->bar->total += m->plan.pairing_count;
+    }
+    json_array_clear(m->last);
+    status = pl_execute(&execution, signal_number, error);
+    for (int k = 0; k < m->plan.pairing_count && status == PL_OK && *signal_number == 0; ++k) {
+        status = take_run(m, m->plan.pairings[k].configuration, level, error);
+    }
+    return status;
+}
+
+/* The candidate nearest to the reference's own engine at the third step: where they have one limit,
+ * the one that converges best. */
+static void choose_second(pl_reference *reference)
+{
+    const int level = PL_REFERENCE_LEAST_LEVELS - 1;
+    reference->second = 0;
+    for (int i = 1; i < reference->engine_count; ++i) {
+        pl_reference_runs *runs = &reference->engines[i];
+        const pl_reference_runs *best = &reference->engines[reference->second];
+        runs->apart = (double)NAN;
+        if (runs->count > level) {
+            runs->apart =
+                largest_distance(&runs->levels[level], &reference->engines[0].levels[level]);
+            if (reference->second == 0 || runs->apart < best->apart) {
+                reference->second = i;
+            }
+        }
+    }
+}
+
+/* ---- Evaluation ---- */
+
+static double *at(double *values, const pl_reference *reference, long sample, int body)
+{
+    return &values[sample * reference->bodies + body];
+}
+
+/* The estimate from the halvings, nowhere below the floor. */
+static pl_status estimate(pl_reference *reference, int engine, double *error, pl_error *failure)
+{
+    const pl_reference_runs *runs = &reference->engines[engine];
+    pl_status status =
+        pl_halving_error(runs->levels, runs->count, reference->interval, error, failure);
+    const long count = reference->samples * reference->bodies;
+    for (long i = 0; i < count && status == PL_OK; ++i) {
+        error[i] = fmax(error[i], reference->floor);
+    }
+    return status;
+}
+
+/* From which sample on a body's error stays beyond its bound. */
+static long horizon_of(pl_reference *reference, int body)
+{
+    long horizon = reference->samples;
+    while (horizon > 0 &&
+           *at(reference->error, reference, horizon - 1, body) > reference->bounds[body]) {
+        horizon -= 1;
+    }
+    return horizon;
+}
+
+/* Whether all errors have come down to the aim, and the two engines to within the bounds. */
+static bool is_enough(pl_reference *reference)
+{
+    const pl_body_paths *own = pl_reference_paths(reference);
+    const pl_reference_runs *second = &reference->engines[reference->second];
+    for (int b = 0; b < reference->bodies; ++b) {
+        for (long i = 0; i < reference->samples; ++i) {
+            if (*at(reference->error, reference, i, b) > aim * reference->bounds[b] ||
+                (reference->second > 0 &&
+                 pl_body_paths_distance(own, &second->levels[second->count - 1], b, i) >
+                     reference->bounds[b])) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* What a second engine has still to go, at most: as much as at its last two steps. One that converges
+ * slowly has changes that do not shrink from halving to halving. */
+static pl_status estimate_second(pl_reference *reference, double *others, pl_error *failure)
+{
+    pl_reference_runs *second = &reference->engines[reference->second];
+    const size_t count = (size_t)(reference->samples * reference->bodies);
+    double *before = calloc(count + 1, sizeof *before);
+    pl_status status = before == NULL ? pl_fail(failure, PL_NO_MEMORY,
+                                                "out of memory for the error of a reference")
+                                      : estimate(reference, reference->second, others, failure);
+    if (status == PL_OK) {
+        second->count -= 1;
+        status = estimate(reference, reference->second, before, failure);
+        second->count += 1;
+    }
+    for (size_t i = 0; i < count && status == PL_OK; ++i) {
+        others[i] = fmax(others[i], before[i]);
+    }
+    free(before);
+    return status;
+}
+
+/* Where the second engine converges elsewhere, beyond the bound and beyond what both have still to go,
+ * their distance is the allowance. */
+static pl_status dispute(pl_reference *reference, pl_error *failure)
+{
+    const pl_reference_runs *second = &reference->engines[reference->second];
+    const pl_body_paths *other = &second->levels[second->count - 1];
+    double *others = calloc((size_t)(reference->samples * reference->bodies) + 1, sizeof *others);
+    pl_status status = others == NULL ? pl_fail(failure, PL_NO_MEMORY,
+                                                "out of memory for the error of a reference")
+                                      : estimate_second(reference, others, failure);
+    double farthest = 0;
+    reference->confirmed = 0;
+    for (int b = 0; b < reference->bodies && status == PL_OK; ++b) {
+        bool differs = false;
+        double apart = 0;
+        for (long i = 0; i < reference->horizon[b]; ++i) {
+            const double other_left = *at(others, reference, i, b);
+            const double left = *at(reference->error, reference, i, b) + other_left;
+            apart = pl_body_paths_distance(pl_reference_paths(reference), other, b, i);
+            differs = apart > fmax(reference->bounds[b], pl_reference_safety * left) &&
+                      other_left <= reference->bounds[b];
+            reference->confirmed = fmax(reference->confirmed, apart);
+            if (differs) {
+                double *allowed = at(reference->allowance, reference, i, b);
+                *allowed = fmax(*allowed, apart);
+            }
+        }
+        reference->disputed += differs;
+        reference->unconfirmed += !differs && apart > reference->bounds[b];
+        if (differs && apart > farthest) {
+            farthest = apart;
+            reference->most_disputed = b;
+        }
+    }
+    free(others);
+    return status;
+}
+
+/* The error of the levels that there are. */
+static pl_status evaluate(pl_reference *reference, pl_error *failure)
+{
+    const pl_reference_runs *own = &reference->engines[0];
+    reference->samples = pl_halving_samples(own->levels, own->count);
+    const size_t count = (size_t)(reference->samples * reference->bodies);
+    pl_status status = estimate(reference, 0, reference->error, failure);
+    for (int b = 0; b < reference->bodies && status == PL_OK; ++b) {
+        reference->horizon[b] = horizon_of(reference, b);
+    }
+    memcpy(reference->allowance, reference->error, count * sizeof *reference->allowance);
+    return status;
+}
+
+/* ---- The whole ---- */
+
+static pl_status prepare(making *m, pl_error *error)
+{
+    pl_reference *reference = m->reference;
+    const pl_scene *scene = &m->def->original->scene;
+    reference->dt = scene->dt;
+    reference->stride = pl_positions_stride(scene->dt);
+    reference->interval = (double)reference->stride * scene->dt;
+    reference->floor = pl_reference_floor * pl_scene_least_size(scene);
+    reference->confirmed = (double)NAN;
+    reference->most_disputed = -1;
+    reference->samples = pl_scene_steps(scene) / reference->stride + 1;
+    const size_t bodies = (size_t)pl_positions_bodies(scene);
+    const size_t count = (size_t)reference->samples * bodies + 1;
+    reference->body = calloc(bodies + 1, sizeof *reference->body);
+    reference->bounds = calloc(bodies + 1, sizeof *reference->bounds);
+    reference->horizon = calloc(bodies + 1, sizeof *reference->horizon);
+    reference->error = calloc(count, sizeof *reference->error);
+    reference->allowance = calloc(count, sizeof *reference->allowance);
+    m->last = json_array();
+    if (reference->body == NULL || reference->bounds == NULL || reference->horizon == NULL ||
+        reference->error == NULL || reference->allowance == NULL || m->last == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for a reference");
+    }
+    for (int i = 0; i < scene->body_count; ++i) {
+        if (!scene->bodies[i].is_static) {
+            reference->body[reference->bodies] = i;
+            reference->bounds[reference->bodies++] = pl_reference_bound(&scene->bodies[i]);
+        }
+    }
+    return PL_OK;
+}
+
+/* The reference's own engine, and those candidates that this build has. */
+static pl_status add_engines(making *m, pl_error *error)
+{
+    const int candidates = m->def->without_second ? 0 : PL_REFERENCE_CANDIDATES;
+    pl_status status = pl_plan_add_engine(&m->plan, pl_reference_engine, error);
+    for (int i = 0; i < candidates && status == PL_OK; ++i) {
+        const pl_reference_candidate *candidate = &pl_reference_candidates[i];
+        if (m->reference->bodies <= candidate->most_bodies) {
+            status = pl_plan_add_engine(&m->plan, candidate->spec, error);
+            status = status == PL_UNSUPPORTED ? PL_OK : status;
+        }
+    }
+    m->reference->engine_count = m->plan.configuration_count;
+    for (int i = 0; i < m->reference->engine_count; ++i) {
+        snprintf(m->reference->engines[i].label, sizeof m->reference->engines[i].label, "%s",
+                 m->plan.configurations[i].label);
+    }
+    return status;
+}
+
+/* How many steps may be tried. */
+static int most_levels(const pl_reference *reference, const pl_scene *scene)
+{
+    const double work = (double)pl_scene_steps(scene) * reference->bodies;
+    int levels = PL_REFERENCE_LEAST_LEVELS;
+    while (levels < PL_REFERENCE_LEVELS && work * (1 << levels) <= pl_reference_most_work) {
+        levels += 1;
+    }
+    return levels;
+}
+
+static bool is_too_large(pl_reference *reference, const pl_scene *scene)
+{
+    const double work = (double)pl_scene_steps(scene) * reference->bodies;
+    if (work > pl_reference_most_work) {
+        snprintf(reference->reason, sizeof reference->reason,
+                 "the scene takes %.3g steps times bodies, more than %.0f", work,
+                 pl_reference_most_work);
+    }
+    return work > pl_reference_most_work;
+}
+
+static pl_status halve(making *m, int *signal_number, pl_error *error)
+{
+    pl_reference *reference = m->reference;
+    const pl_reference_runs *own = &reference->engines[0];
+    const int most = most_levels(reference, &m->def->original->scene);
+    bool enough = false;
+    pl_status status = PL_OK;
+    for (int level = 0;
+         level < most && own->count == level && !enough && status == PL_OK && *signal_number == 0;
+         ++level) {
+        status = run_level(m, level, signal_number, error);
+        if (level == PL_REFERENCE_LEAST_LEVELS - 1) {
+            choose_second(reference);
+        }
+        if (level >= PL_REFERENCE_LEAST_LEVELS - 1 && own->count > level && status == PL_OK &&
+            *signal_number == 0) {
+            status = evaluate(reference, error);
+            enough = is_enough(reference);
+        }
+    }
+    return status;
+}
+
+pl_status pl_reference_make(const pl_reference_def *def, pl_reference *reference,
+                            int *signal_number, pl_error *error)
+{
+    *reference = (pl_reference){.known = false};
+    making m = {.def = def, .reference = reference, .plan = {.repeats = 1}};
+    const pl_reference_runs *own = &reference->engines[0];
+    m.plan.seed = def->execution.plan->seed;
+    *signal_number = 0;
+    pl_status status = prepare(&m, error);
+    if (status == PL_OK) {
+        status = add_engines(&m, error);
+    }
+    if (status == PL_OK && !is_too_large(reference, &def->original->scene)) {
+        status = halve(&m, signal_number, error);
+    }
+    reference->known = own->count >= PL_REFERENCE_LEAST_LEVELS;
+    if (status == PL_OK && *signal_number == 0 && reference->known) {
+        status = evaluate(reference, error);
+    }
+    if (status == PL_OK && *signal_number == 0 && reference->known && reference->second > 0) {
+        status = dispute(reference, error);
+    }
+    if (!reference->known && reference->reason[0] == '\0') {
+        snprintf(reference->reason, sizeof reference->reason, "%s %s", pl_reference_engine,
+                 own->reason);
+    }
+    pl_plan_free(&m.plan);
+    json_decref(m.last);
+    return status;
+}
+
+const pl_body_paths *pl_reference_paths(const pl_reference *reference)
+{
+    return &reference->engines[0].levels[reference->engines[0].count - 1];
+}
+
+void pl_reference_free(pl_reference *reference)
+{
+    for (int i = 0; i < reference->engine_count; ++i) {
+        for (int k = 0; k < PL_REFERENCE_LEVELS; ++k) {
+            pl_body_paths_free(&reference->engines[i].levels[k]);
+        }
+    }
+    free(reference->body);
+    free(reference->bounds);
+    free(reference->error);
+    free(reference->allowance);
+    free(reference->horizon);
+    *reference = (pl_reference){.known = false};
+}

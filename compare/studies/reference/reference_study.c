@@ -1,0 +1,278 @@
+#include "reference_study.h"
+
+#include "reference_json.h"
+
+#include <dirent.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- Which cases ---- */
+
+int pl_reference_study_cases(const pl_plan *plan)
+{
+    int count = 0;
+    for (int i = 0; i < plan->case_count; ++i) {
+        count += pl_reference_applies(&plan->cases[i]);
+    }
+    return count;
+}
+
+/* The item of an earlier outcome with exactly the runs of a case, borrowed; NULL: there is none.
+ * *failed is set when out of memory. */
+static json_t *recall(const json_t *before, const pl_plan *plan, const pl_case *test_case,
+                      bool *failed)
+{
+    size_t index;
+    json_t *item, *found = NULL;
+    json_t *runs = pl_reference_runs_json(plan, test_case);
+    *failed = runs == NULL;
+    json_array_foreach(json_object_get(before, "cases"), index, item)
+    {
+        if (runs != NULL && json_equal(json_object_get(item, "runs"), runs)) {
+            found = item;
+        }
+    }
+    json_decref(runs);
+    return found;
+}
+
+pl_status pl_reference_study_due(const pl_plan *plan, const json_t *before, int *due,
+                                 pl_error *error)
+{
+    bool failed = false;
+    *due = 0;
+    for (int i = 0; i < plan->case_count && !failed; ++i) {
+        const pl_case *test_case = &plan->cases[i];
+        *due += pl_reference_applies(test_case) && recall(before, plan, test_case, &failed) == NULL;
+    }
+    return failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for references") : PL_OK;
+}
+
+/* ---- Runs of the compared configurations ---- */
+
+/* Whether a run is known to leave no path to its end. */
+static bool is_hopeless(void *user, const char *run)
+{
+    static const pl_outcome hopeless[] = {PL_OUTCOME_CRASHED, PL_OUTCOME_TIMEOUT,
+                                          PL_OUTCOME_UNSUPPORTED};
+    const pl_reference_study_def *def = user;
+    size_t index;
+    const json_t *result;
+    json_array_foreach(def->results, index, result)
+    {
+        for (size_t i = 0; i < sizeof hopeless / sizeof hopeless[0]; ++i) {
+            if (strcmp(pl_json_get_text(result, "run"), run) == 0 &&
+                strcmp(pl_json_get_text(result, "outcome"), pl_outcome_name(hopeless[i])) == 0) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static pl_status drop_result(void *user, json_t *result, pl_error *error)
+{
+    (void)user;
+    (void)result;
+    (void)error;
+    return PL_OK;
+}
+
+/* Makes the runs of a case again, with their positions. */
+static pl_status run_with_positions(const pl_reference_study_def *def, pl_case *test_case,
+                                    pl_progress *bar, int *signal_number, pl_error *error)
+{
+    const pl_plan *plan = def->execution.plan;
+    const pl_plan one = {.cases = test_case,
+                         .case_count = 1,
+                         .configurations = plan->configurations,
+                         .configuration_count = plan->configuration_count,
+                         .repeats = 1,
+                         .seed = plan->seed};
+    pl_reference_study_def user = *def;
+    const pl_execution_def execution = {.plan = &one,
+                                        .jobs = def->execution.jobs,
+                                        .limits = def->execution.limits,
+                                        .positions = def->execution.positions,
+                                        .provenance = def->execution.provenance,
+                                        .bar = bar,
+                                        .user = &user,
+                                        .skip = is_hopeless,
+                                        .keep = drop_result};
+    long due = 0;
+    pl_status status = pl_execution_due(&execution, &due, error);
+    if (status != PL_OK || due == 0) {
+        return status;
+    }
+    if (bar != NULL) {
+        bar->total += due;
+    }
+    return pl_execute(&execution, signal_number, error);
+}
+
+/* ---- A case ---- */
+
+static pl_status say_unknown(const pl_reference *reference, json_t *sentences, pl_error *error)
+{
+    pl_text_buffer text = {0};
+    pl_text_format(&text, "There is no reference: %s", reference->reason);
+    return pl_sentence_add(sentences, &text, error);
+}
+
+/* Judges the configurations by a reference that is known. */
+static pl_status judge_by(const pl_reference_def *def, const pl_reference *reference,
+                          json_t *sentences, json_t **item, int *signal_number, pl_error *error)
+{
+    const pl_plan *plan = def->execution.plan;
+    pl_reference_verdict verdict = {.engine_count = 0};
+    pl_after_horizon after = {.from = 0};
+    pl_status status = pl_reference_judge(plan, def->original, def->execution.positions, reference,
+                                          &verdict, error);
+    if (status == PL_OK) {
+        status = pl_after_horizon_make(def, &verdict, &after, signal_number, error);
+    }
+    if (status == PL_OK && *signal_number == 0) {
+        status = pl_reference_sentences(&verdict, sentences, error);
+    }
+    if (status == PL_OK && *signal_number == 0) {
+        status = pl_after_horizon_sentences(&verdict, &after, sentences, error);
+    }
+    if (status == PL_OK && *signal_number == 0) {
+        *item = pl_reference_case_json(plan, def->original, reference, &verdict, &after, sentences);
+        status = *item == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for a case") : PL_OK;
+    }
+    pl_after_horizon_free(&after);
+    pl_reference_verdict_free(&verdict);
+    return status;
+}
+
+static pl_status judge_case(const pl_reference_study_def *def, pl_case *test_case, pl_progress *bar,
+                            json_t **item, int *signal_number, pl_error *error)
+{
+    pl_reference reference = {.known = false};
+    pl_reference_def making = {.original = test_case, .execution = def->execution};
+    json_t *sentences = json_array();
+    making.execution.bar = bar;
+    *item = NULL;
+    pl_status status = run_with_positions(def, test_case, bar, signal_number, error);
+    if (status == PL_OK && *signal_number == 0) {
+        status = pl_reference_make(&making, &reference, signal_number, error);
+    }
+    if (status == PL_OK && *signal_number == 0 && reference.known) {
+        status = judge_by(&making, &reference, sentences, item, signal_number, error);
+    } else if (status == PL_OK && *signal_number == 0) {
+        status = say_unknown(&reference, sentences, error);
+        if (status == PL_OK) {
+            *item = pl_reference_case_json(def->execution.plan, test_case, &reference, NULL, NULL,
+                                           sentences);
+            status = *item == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+        }
+    }
+    pl_reference_free(&reference);
+    json_decref(sentences);
+    return status;
+}
+
+/* ---- The study ---- */
+
+/* An object of the cases, with the sentences of all. Takes the reference of `cases`. */
+static json_t *compose(json_t *cases)
+{
+    json_t *sentences = json_array();
+    size_t index, k;
+    const json_t *item;
+    json_t *sentence;
+    json_array_foreach(cases, index, item)
+    {
+        const char *name = pl_json_get_text(item, "name");
+        json_array_foreach(json_object_get(item, "sentences"), k, sentence)
+        {
+            json_array_append_new(sentences,
+                                  json_array_size(cases) == 1
+                                      ? json_incref(sentence)
+                                      : json_sprintf("%s: %s", name, json_string_value(sentence)));
+        }
+    }
+    return json_pack("{s:s, s:f, s:f, s:f, s:o, s:o}", "schema", "plumb.reference/1", "share",
+                     pl_reference_share, "least_bound", pl_reference_least_bound, "safety",
+                     pl_reference_safety, "cases", cases, "sentences", sentences);
+}
+
+pl_status pl_reference_study(const pl_reference_study_def *def, json_t **outcome,
+                             int *signal_number, pl_error *error)
+{
+    const pl_plan *plan = def->execution.plan;
+    FILE *out = def->execution.progress;
+    pl_progress bar = {.terminal = false};
+    json_t *cases = json_array();
+    pl_status status = cases == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    *signal_number = 0;
+    *outcome = NULL;
+    if (out != NULL) {
+        bar = pl_progress_begin(out, 0, pl_monotonic_seconds());
+    }
+    for (int i = 0; i < plan->case_count && status == PL_OK && *signal_number == 0; ++i) {
+        pl_case *test_case = &plan->cases[i];
+        bool failed = false;
+        json_t *item = NULL;
+        if (!pl_reference_applies(test_case)) {
+            continue;
+        }
+        item = json_incref(recall(def->before, plan, test_case, &failed));
+        if (failed) {
+            status = pl_fail(error, PL_NO_MEMORY, "out of memory for a reference");
+        } else if (item == NULL) {
+            /* Where the display cannot be drawn again, a line a run would be hundreds of lines. */
+            if (out != NULL && !bar.terminal) {
+                fprintf(out, "%s: a converged reference\n", test_case->name);
+            }
+            status =
+                judge_case(def, test_case, bar.terminal ? &bar : NULL, &item, signal_number, error);
+        }
+        if (item != NULL && json_array_append_new(cases, item) != 0) {
+            status = pl_fail(error, PL_NO_MEMORY, "out of memory for a reference");
+        }
+    }
+    if (out != NULL) {
+        pl_progress_end(&bar);
+    }
+    if (status != PL_OK || *signal_number != 0) {
+        json_decref(cases);
+        return status;
+    }
+    *outcome = compose(cases);
+    return *outcome == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for references") : PL_OK;
+}
+
+void pl_reference_study_print(FILE *out, const json_t *outcome)
+{
+    size_t index, k;
+    const json_t *item, *sentence;
+    json_array_foreach(json_object_get(outcome, "cases"), index, item)
+    {
+        fprintf(out, "%s, against a converged reference:\n", pl_json_get_text(item, "name"));
+        json_array_foreach(json_object_get(item, "sentences"), k, sentence)
+        {
+            fprintf(out, "  %s.\n", json_string_value(sentence));
+        }
+    }
+}
+
+void pl_reference_study_clear(const char *folder)
+{
+    static const char ending[] = ".positions";
+    DIR *directory = opendir(folder);
+    for (const struct dirent *entry = NULL;
+         directory != NULL && (entry = readdir(directory)) != NULL;) {
+        const size_t length = strlen(entry->d_name);
+        if (length > strlen(ending) &&
+            strcmp(entry->d_name + length - strlen(ending), ending) == 0) {
+            unlinkat(dirfd(directory), entry->d_name, 0);
+        }
+    }
+    if (directory != NULL) {
+        closedir(directory);
+        rmdir(folder);
+    }
+}

@@ -1,0 +1,325 @@
+#include "reference_verdict.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* More bodies of an engine than this are reported in one sentence, and of all single bodies the
+ * farthest only. */
+enum { MOST_SINGLE_BODIES = 4, MOST_SINGLE_SENTENCES = 10 };
+
+/* Others that are no farther from the reference than this share of a distance are where it is: they
+ * are then "the others" that it is a distance from. */
+static const double negligible_share = 0.1;
+
+/* ---- Numbers ---- */
+
+pl_body_verdict pl_body_judge(const pl_reference *reference, const pl_body_paths *paths, int body)
+{
+    const pl_body_paths *own = pl_reference_paths(reference);
+    pl_body_verdict verdict = {.final = (double)NAN, .largest = 0, .differs_from = (double)NAN};
+    long judged = paths->samples < reference->samples ? paths->samples : reference->samples;
+    judged = judged < reference->horizon[body] ? judged : reference->horizon[body];
+    long from = judged;
+    for (long i = 0; i < judged; ++i) {
+        const double error = reference->allowance[i * reference->bodies + body];
+        const double allowed = fmax(reference->bounds[body], pl_reference_safety * error);
+        verdict.final = pl_body_paths_distance(own, paths, body, i);
+        verdict.largest = fmax(verdict.largest, verdict.final);
+        verdict.until = (double)i * reference->interval;
+        if (!(verdict.final > allowed)) {
+            from = judged;
+        } else if (from == judged) {
+            from = i;
+        }
+    }
+    if (from < judged) {
+        verdict.differs_from = (double)from * reference->interval;
+    }
+    return verdict;
+}
+
+static pl_status judge_engine(const pl_plan *plan, const pl_planned_run *planned,
+                              const char *folder, const pl_reference *reference,
+                              pl_engine_verdict *verdict, pl_error *error)
+{
+    pl_body_paths paths = {.samples = 0};
+    verdict->label = planned->configuration->label;
+    pl_status status = pl_planned_run_hash(plan, planned, verdict->run, error);
+    if (status == PL_OK) {
+        status = pl_body_paths_read(folder, verdict->run, &planned->test_case->scene,
+                                    reference->stride, &paths, error);
+    }
+    if (status == PL_OK && paths.samples > 0) {
+        verdict->completed = paths.completed;
+        verdict->bodies = calloc((size_t)reference->bodies, sizeof *verdict->bodies);
+        status = verdict->bodies == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    }
+    for (int b = 0; b < reference->bodies && verdict->bodies != NULL; ++b) {
+        verdict->bodies[b] = pl_body_judge(reference, &paths, b);
+        verdict->differing += !isnan(verdict->bodies[b].differs_from);
+    }
+    pl_body_paths_free(&paths);
+    return status;
+}
+
+pl_status pl_reference_judge(const pl_plan *plan, const pl_case *test_case, const char *folder,
+                             const pl_reference *reference, pl_reference_verdict *verdict,
+                             pl_error *error)
+{
+    *verdict = (pl_reference_verdict){
+        .reference = reference, .test_case = test_case, .engine_count = plan->configuration_count};
+    verdict->engines = calloc((size_t)verdict->engine_count + 1, sizeof *verdict->engines);
+    pl_status status =
+        verdict->engines == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    for (int i = 0; i < verdict->engine_count && status == PL_OK; ++i) {
+        const pl_planned_run planned = {.test_case = test_case,
+                                        .configuration = &plan->configurations[i]};
+        status = judge_engine(plan, &planned, folder, reference, &verdict->engines[i], error);
+    }
+    return status;
+}
+
+void pl_reference_verdict_free(pl_reference_verdict *verdict)
+{
+    for (int i = 0; i < verdict->engine_count && verdict->engines != NULL; ++i) {
+        free(verdict->engines[i].bodies);
+    }
+    free(verdict->engines);
+    *verdict = (pl_reference_verdict){.engine_count = 0};
+}
+
+/* ---- Sentences ---- */
+
+pl_status pl_sentence_add(json_t *sentences, pl_text_buffer *text, pl_error *error)
+{
+    const bool failed =
+        text->failed || text->data == NULL ||
+        json_array_append_new(sentences, pl_json_text(text->data, text->length)) != 0;
+    pl_text_free(text);
+    return failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a sentence") : PL_OK;
+}
+
+static const char *body_name(const pl_reference_verdict *v, int body)
+{
+    return v->test_case->scene.bodies[v->reference->body[body]].name;
+}
+
+/* Where the reference comes from, and what confirms it. */
+static pl_status say_reference(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+{
+    const pl_reference *reference = v->reference;
+    const pl_reference_runs *own = &reference->engines[0];
+    const pl_reference_runs *second = &reference->engines[reference->second];
+    pl_text_buffer text = {0};
+    double largest = 0;
+    for (int b = 0; b < reference->bodies; ++b) {
+        for (long i = 0; i < reference->horizon[b]; ++i) {
+            largest = fmax(largest, reference->error[i * reference->bodies + b]);
+        }
+    }
+    pl_text_format(
+        &text, "The reference is %s at a step of %.3g s, with an estimated error of up to %.2g m",
+        own->label, reference->dt / (1 << (own->count - 1)), largest);
+    if (reference->second == 0) {
+        pl_text_add(&text, "; no other engine confirms it");
+    } else if (reference->disputed == 0) {
+        pl_text_format(&text, "; %s at %.3g s %s %.2g m%s", second->label,
+                       reference->dt / (1 << (second->count - 1)),
+                       reference->unconfirmed == 0 ? "confirms it to within" : "stays within",
+                       reference->confirmed,
+                       reference->unconfirmed == 0
+                           ? ""
+                           : " of it but has not converged itself, so that nothing confirms it");
+    }
+    pl_status status = pl_sentence_add(sentences, &text, error);
+    if (status != PL_OK || reference->disputed == 0) {
+        return status;
+    }
+    const int body = reference->most_disputed;
+    const long last = reference->horizon[body] - 1;
+    const double apart = pl_body_paths_distance(pl_reference_paths(reference),
+                                                &second->levels[second->count - 1], body, last);
+    pl_text_format(
+        &text,
+        "%s and %s converge to different answers: %s ends %.3g m apart; what lies within "
+        "three times their distance is not judged",
+        own->label, second->label, body_name(v, body), apart);
+    return pl_sentence_add(sentences, &text, error);
+}
+
+/* Whether at least one other configuration ran to its end, and all of them are near the reference in
+ * the body, compared with this one. */
+static bool others_agree(const pl_reference_verdict *v, int engine, int body)
+{
+    int others = 0;
+    for (int i = 0; i < v->engine_count; ++i) {
+        const pl_engine_verdict *e = &v->engines[i];
+        if (i != engine && e->bodies != NULL && e->completed) {
+            others += 1;
+            if (!(e->bodies[body].final <=
+                  negligible_share * v->engines[engine].bodies[body].final)) {
+                return false;
+            }
+        }
+    }
+    return others > 0;
+}
+
+/* "box b: bullet:si ends 1.34 m away from the others, from t = 1.3 s on" */
+static pl_status say_body(const pl_reference_verdict *v, int engine, int body, json_t *sentences,
+                          pl_error *error)
+{
+    const pl_engine_verdict *e = &v->engines[engine];
+    const pl_body_verdict *b = &e->bodies[body];
+    const bool to_end = e->completed && v->reference->horizon[body] >= v->reference->samples;
+    pl_text_buffer text = {0};
+    pl_text_format(&text, "%s: %s %s %.3g m away from %s", body_name(v, body), e->label,
+                   to_end ? "ends" : "is", b->final,
+                   others_agree(v, engine, body) ? "the others" : "the reference");
+    if (!to_end) {
+        pl_text_format(&text, " at t = %.3g s", b->until);
+    }
+    pl_text_format(&text, ", from t = %.2g s on", b->differs_from);
+    return pl_sentence_add(sentences, &text, error);
+}
+
+/* The same of many bodies at once. */
+static pl_status say_bodies(const pl_reference_verdict *v, int engine, json_t *sentences,
+                            pl_error *error)
+{
+    const pl_engine_verdict *e = &v->engines[engine];
+    int first = -1, worst = -1;
+    for (int b = 0; b < v->reference->bodies; ++b) {
+        if (!isnan(e->bodies[b].differs_from)) {
+            first =
+                first < 0 || e->bodies[b].differs_from < e->bodies[first].differs_from ? b : first;
+            worst = worst < 0 || e->bodies[b].final > e->bodies[worst].final ? b : worst;
+        }
+    }
+    pl_text_buffer text = {0};
+    pl_text_format(&text,
+                   "%d of %d bodies: %s differs from the reference, most of all in %s, by %.3g m, "
+                   "and first in %s, from t = %.2g s on",
+                   e->differing, v->reference->bodies, e->label, body_name(v, worst),
+                   e->bodies[worst].final, body_name(v, first), e->bodies[first].differs_from);
+    return pl_sentence_add(sentences, &text, error);
+}
+
+/* A body of an engine that differs. */
+typedef struct difference {
+    double final; /* m */
+    int engine, body;
+} difference;
+
+static int by_final(const void *a, const void *b)
+{
+    const difference *x = a, *y = b;
+    return (x->final < y->final) - (x->final > y->final);
+}
+
+/* A sentence for each engine with many such bodies, then one for each body of the others, the farthest
+ * first. */
+static pl_status say_differences(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+{
+    const size_t most = (size_t)v->engine_count * MOST_SINGLE_BODIES;
+    difference *single = calloc(most + 1, sizeof *single);
+    pl_status status =
+        single == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for a verdict") : PL_OK;
+    size_t count = 0;
+    for (int i = 0; i < v->engine_count && status == PL_OK; ++i) {
+        const pl_engine_verdict *e = &v->engines[i];
+        if (e->differing > MOST_SINGLE_BODIES) {
+            status = say_bodies(v, i, sentences, error);
+            continue;
+        }
+        for (int b = 0; b < v->reference->bodies && e->bodies != NULL; ++b) {
+            if (!isnan(e->bodies[b].differs_from)) {
+                single[count++] = (difference){e->bodies[b].final, i, b};
+            }
+        }
+    }
+    if (count > 0) {
+        qsort(single, count, sizeof *single, by_final);
+    }
+    for (size_t i = 0; i < count && i < MOST_SINGLE_SENTENCES && status == PL_OK; ++i) {
+        status = say_body(v, single[i].engine, single[i].body, sentences, error);
+    }
+    if (count > MOST_SINGLE_SENTENCES && status == PL_OK) {
+        pl_text_buffer text = {0};
+        const size_t left = count - MOST_SINGLE_SENTENCES;
+        pl_text_format(&text, "%zu more %s, by %.3g m at most", left,
+                       left == 1 ? "body of an engine differs" : "bodies of engines differ",
+                       single[MOST_SINGLE_SENTENCES].final);
+        status = pl_sentence_add(sentences, &text, error);
+    }
+    free(single);
+    return status;
+}
+
+/* The engines that could not be compared, or not to the end. */
+static pl_status say_missing(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < v->engine_count && status == PL_OK; ++i) {
+        const pl_engine_verdict *e = &v->engines[i];
+        if (e->bodies == NULL || !e->completed) {
+            pl_text_buffer text = {0};
+            pl_text_format(&text, "%s is %s", e->label,
+                           e->bodies == NULL
+                               ? "not compared, because it left no path"
+                               : "compared only until its run ended, before the end of the scene");
+            status = pl_sentence_add(sentences, &text, error);
+        }
+    }
+    return status;
+}
+
+/* "All engines agree with the reference to within X m", or which of them do. */
+static pl_status say_agreement(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+{
+    pl_text_buffer names = {0}, text = {0};
+    double largest = 0;
+    int agreeing = 0;
+    for (int i = 0; i < v->engine_count; ++i) {
+        const pl_engine_verdict *e = &v->engines[i];
+        if (e->bodies != NULL && e->completed && e->differing == 0) {
+            pl_text_format(&names, "%s%s", agreeing == 0 ? "" : ", ", e->label);
+            agreeing += 1;
+            for (int b = 0; b < v->reference->bodies; ++b) {
+                largest = fmax(largest, e->bodies[b].largest);
+            }
+        }
+    }
+    if (agreeing == 0) {
+        pl_text_free(&names);
+        return PL_OK;
+    }
+    bool whole = true;
+    for (int b = 0; b < v->reference->bodies; ++b) {
+        whole = whole && v->reference->horizon[b] >= v->reference->samples;
+    }
+    const bool all = agreeing == v->engine_count;
+    const bool one = v->engine_count == 1;
+    pl_text_format(&text, "%s agree%s with the reference to within %.2g m%s",
+                   all && !one          ? "All engines"
+                   : names.data == NULL ? ""
+                                        : names.data,
+                   agreeing == 1 ? "s" : "", largest,
+                   whole ? "" : " as long as the motion can be predicted");
+    text.failed = text.failed || names.failed;
+    pl_text_free(&names);
+    return pl_sentence_add(sentences, &text, error);
+}
+
+pl_status pl_reference_sentences(const pl_reference_verdict *verdict, json_t *sentences,
+                                 pl_error *error)
+{
+    pl_status status = say_differences(verdict, sentences, error);
+    if (status == PL_OK) {
+        status = say_missing(verdict, sentences, error);
+    }
+    if (status == PL_OK) {
+        status = say_agreement(verdict, sentences, error);
+    }
+    return status == PL_OK ? say_reference(verdict, sentences, error) : status;
+}

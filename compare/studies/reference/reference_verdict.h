@@ -1,0 +1,58 @@
+/* Which engine configuration differs from a converged reference, in which body, by how much and from
+ * when on, as numbers and as sentences. */
+#ifndef PLUMB_REFERENCE_VERDICT_H
+#define PLUMB_REFERENCE_VERDICT_H
+
+#include "base/text_buffer.h"
+#include "converged_reference.h"
+
+#include <jansson.h>
+
+/* One body of one configuration against the reference. */
+typedef struct pl_body_verdict {
+    double final;   /* m: the distance at the last sample that was judged */
+    double largest; /* m: the largest distance of all samples that were judged */
+    double until;   /* s: of that last sample */
+    /* s: of the first sample from which on the body is farther from the reference than the bound and
+     * than three times the reference's error, to the last; NAN: it does not differ */
+    double differs_from;
+} pl_body_verdict;
+
+/* One engine configuration against the reference. */
+typedef struct pl_engine_verdict {
+    const char *label;       /* borrowed */
+    char run[17];            /* of its result */
+    bool completed;          /* its path has the last sample */
+    pl_body_verdict *bodies; /* (bodies); NULL: it left no path */
+    int differing;           /* bodies that differ */
+} pl_engine_verdict;
+
+/* All configurations of a plan against the reference of one of its cases. */
+typedef struct pl_reference_verdict {
+    const pl_reference *reference;
+    const pl_case *test_case;
+    pl_engine_verdict *engines; /* (engine_count) */
+    int engine_count;
+} pl_reference_verdict;
+
+/* Judges a body. `bodies` in `paths` are those of the reference. */
+pl_body_verdict pl_body_judge(const pl_reference *reference, const pl_body_paths *paths, int body);
+
+/* Judges the first repeats of a case on all configurations of a plan, whose positions are in
+ * `folder`. The reference is known. PL_NO_MEMORY. The caller frees *verdict in any case. */
+pl_status pl_reference_judge(const pl_plan *plan, const pl_case *test_case, const char *folder,
+                             const pl_reference *reference, pl_reference_verdict *verdict,
+                             pl_error *error);
+
+/* Frees the verdicts. */
+void pl_reference_verdict_free(pl_reference_verdict *verdict);
+
+/* Appends the sentences to an array of strings: on the reference, on the bodies that differ, and on
+ * the engines that agree. PL_NO_MEMORY. */
+pl_status pl_reference_sentences(const pl_reference_verdict *verdict, json_t *sentences,
+                                 pl_error *error);
+
+/* Appends a text as a string to an array, and frees it. PL_NO_MEMORY. */
+pl_status pl_sentence_add(json_t *sentences, pl_text_buffer *text, pl_error *error);
+
+#endif
