@@ -1,7 +1,8 @@
 /* The raw file is a sequence of records in the byte order of the machine. A frame is 'F', the step,
  * the poses of the dynamic bodies, the number of contacts (-1: none are reported), and of each contact
  * its point, depth and force. A point of the curves is 'C', the step and the values. A run that ends
- * early leaves whole records, but for the last. */
+ * early leaves whole records, but for the last. The file is open only while a record is written, so
+ * that the engine has no descriptor of it. */
 #include "recording.h"
 
 #include "plumb/vec.h"
@@ -19,6 +20,21 @@ enum { MOST_FRAMES = 300, MOST_BUCKETS = 250, MOST_RAW_BYTES = 64 << 20 };
 static long stride_of(long steps, long most)
 {
     return steps <= most ? 1 : (steps + most - 1) / most;
+}
+
+static bool open_file(pl_recorder *r, const char *mode)
+{
+    r->file = fopen(r->path, mode);
+    return r->file != NULL;
+}
+
+/* Closes the file; false when it could not be written. */
+static bool close_file(pl_recorder *r)
+{
+    const bool failed = ferror(r->file) != 0;
+    const bool closed = fclose(r->file) == 0;
+    r->file = NULL;
+    return closed && !failed;
 }
 
 pl_status pl_recorder_create(const char *path, const pl_scene *scene, pl_recorder *recorder,
@@ -42,12 +58,10 @@ pl_status pl_recorder_create(const char *path, const pl_scene *scene, pl_recorde
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
     }
     memset(recorder->sample, 0xff, sample); /* resident before the engine is created */
-    recorder->file = fopen(path, "we");
-    if (recorder->file == NULL || fwrite(PL_RAW_MAGIC, 8, 1, recorder->file) != 1 ||
-        fflush(recorder->file) != 0) {
-        return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
-    }
-    return PL_OK;
+    return open_file(recorder, "we") && fwrite(PL_RAW_MAGIC, 8, 1, recorder->file) == 1 &&
+                   close_file(recorder)
+               ? PL_OK
+               : pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
 }
 
 static void write_contacts(pl_recorder *r, const pl_recorded_step *seen)
@@ -107,20 +121,26 @@ static void write_curves(pl_recorder *r, long last)
 
 pl_status pl_recorder_step(pl_recorder *r, const pl_recorded_step *seen, pl_error *error)
 {
-    if (r->file == NULL) {
+    if (r->path == NULL) {
         return PL_OK;
     }
     const bool is_last = seen->step == pl_scene_steps(r->scene);
-    if (seen->step % r->stride == 0 || is_last) {
+    const bool has_frame = seen->step % r->stride == 0 || is_last;
+    const bool has_curves = seen->step % r->bucket == 0 || is_last;
+    add_curves(r, seen);
+    if (!has_frame && !has_curves) {
+        return PL_OK;
+    }
+    if (!open_file(r, "ae")) {
+        return pl_fail(error, PL_IO, "%s: %s", r->path, strerror(errno));
+    }
+    if (has_frame) {
         write_frame(r, seen);
     }
-    add_curves(r, seen);
-    if (seen->step % r->bucket == 0 || is_last) {
+    if (has_curves) {
         write_curves(r, seen->step);
     }
-    return fflush(r->file) == 0 && !ferror(r->file)
-               ? PL_OK
-               : pl_fail(error, PL_IO, "%s: %s", r->path, strerror(errno));
+    return close_file(r) ? PL_OK : pl_fail(error, PL_IO, "%s: %s", r->path, strerror(errno));
 }
 
 void pl_recorder_end(pl_recorder *recorder)

@@ -12,9 +12,9 @@
 
 #include <stdio.h>
 
-/* A raw file that is being written; {0} is one that was never opened. */
+/* A raw file that is being written; {0} is one that was never created. */
 typedef struct pl_recorder {
-    FILE *file;
+    FILE *file; /* NULL between two records */
     const char *path;
     const pl_scene *scene;
     long stride, bucket; /* steps from frame to frame, and in a bucket of the curves */
@@ -41,7 +41,7 @@ pl_status pl_recorder_create(const char *path, const pl_scene *scene, pl_recorde
 /* Takes the start and each step. PL_IO. */
 pl_status pl_recorder_step(pl_recorder *recorder, const pl_recorded_step *seen, pl_error *error);
 
-/* Closes the file, if one was opened. */
+/* Frees the recorder; {0} is allowed. */
 void pl_recorder_end(pl_recorder *recorder);
 
 /* The path in that folder of the raw file, or of the recording, of the run with this hash: malloc'd;

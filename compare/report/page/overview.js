@@ -63,7 +63,8 @@ function matrixCell(report, test, index, least) {
 }
 
 function sentences(report) {
-  const engines = report.engines.map((engine, index) => ({ ...engine, index })).sort((a, b) => a.rank - b.rank);
+  const engines = report.engines.map((engine, index) => ({ ...engine, index })).sort((a, b) => a.rank - b.rank)
+    .filter(({ counts }) => counts.accurate + counts.inaccurate + counts.failed + counts.unsupported > 0);
   return h('ul', { class: 'sentences' }, engines.map(({ name, counts, index }) => {
     const total = counts.accurate + counts.inaccurate + counts.failed + counts['not judged'] + counts.unsupported;
     const rest = ['inaccurate', 'failed', 'not judged', 'unsupported'].filter((k) => counts[k] > 0).map((k) => `${counts[k]} ${k}`);
