@@ -228,11 +228,14 @@ static pl_status say_differences(const pl_reference_verdict *v, json_t *sentence
     size_t count = 0;
     for (int i = 0; i < v->engine_count && status == PL_OK; ++i) {
         const pl_engine_verdict *e = &v->engines[i];
+        if (e->bodies == NULL) {
+            continue;
+        }
         if (e->differing > MOST_SINGLE_BODIES) {
             status = say_bodies(v, i, sentences, error);
             continue;
         }
-        for (int b = 0; b < v->reference->bodies && e->bodies != NULL; ++b) {
+        for (int b = 0; b < v->reference->bodies; ++b) {
             if (!isnan(e->bodies[b].differs_from)) {
                 single[count++] = (difference){e->bodies[b].final, i, b};
             }
