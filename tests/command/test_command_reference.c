@@ -182,9 +182,9 @@ static void test_no_reference_where_none_is_wanted(void **state)
 static void test_an_engine_that_crashes_is_a_finding(void **state)
 {
     const workspace *f = *state;
+    static const char faulty[] = FAULTY ":abort";
     json_t *reference = compare(
-        f, f->scene, (const char *const[]){"--engine", "plumb", "--engine", FAULTY ":abort", NULL},
-        NULL);
+        f, f->scene, (const char *const[]){"--engine", "plumb", "--engine", faulty, NULL}, NULL);
     assert_non_null(reference);
     assert_true(SAYS(reference, "faulty:abort is not compared, because it left no path"));
     json_decref(reference);

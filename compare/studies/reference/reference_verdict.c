@@ -151,13 +151,14 @@ static pl_status say_reference(const pl_reference_verdict *v, json_t *sentences,
  * the body, compared with this one. */
 static bool others_agree(const pl_reference_verdict *v, int engine, int body)
 {
+    /* NOLINTNEXTLINE(clang-analyzer-core.*): an engine without bodies has none that differs */
+    const double distance = v->engines[engine].bodies[body].final;
     int others = 0;
     for (int i = 0; i < v->engine_count; ++i) {
         const pl_engine_verdict *e = &v->engines[i];
         if (i != engine && e->bodies != NULL && e->completed) {
             others += 1;
-            if (!(e->bodies[body].final <=
-                  negligible_share * v->engines[engine].bodies[body].final)) {
+            if (!(e->bodies[body].final <= negligible_share * distance)) {
                 return false;
             }
         }
@@ -228,11 +229,14 @@ static pl_status say_differences(const pl_reference_verdict *v, json_t *sentence
     size_t count = 0;
     for (int i = 0; i < v->engine_count && status == PL_OK; ++i) {
         const pl_engine_verdict *e = &v->engines[i];
+        if (e->bodies == NULL) {
+            continue;
+        }
         if (e->differing > MOST_SINGLE_BODIES) {
             status = say_bodies(v, i, sentences, error);
             continue;
         }
-        for (int b = 0; b < v->reference->bodies && e->bodies != NULL; ++b) {
+        for (int b = 0; b < v->reference->bodies; ++b) {
             if (!isnan(e->bodies[b].differs_from)) {
                 single[count++] = (difference){e->bodies[b].final, i, b};
             }
