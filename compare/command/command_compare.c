@@ -11,7 +11,9 @@
 #include "studies/iterations/iterations_to_tolerance.h"
 #include "studies/reference/reference_study.h"
 
+#include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 typedef struct options {
@@ -153,8 +155,14 @@ static pl_status prepare_recordings(const options *o, char **folder, pl_error *e
         free(path);
         return PL_OK;
     }
-    *folder = path;
-    return pl_make_directories(path, error);
+    pl_status status = pl_make_directories(path, error);
+    if (status == PL_OK) {
+        *folder = realpath(path, NULL); /* an engine may change the working directory */
+        status =
+            *folder == NULL ? pl_fail(error, PL_IO, "%.300s: %s", path, strerror(errno)) : PL_OK;
+    }
+    free(path);
+    return status;
 }
 
 /* Looks which references are due. The directory of results exists. The caller frees *r in any case. */
