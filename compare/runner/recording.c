@@ -119,28 +119,27 @@ static void write_curves(pl_recorder *r, long last)
     r->first = 0;
 }
 
-pl_status pl_recorder_step(pl_recorder *r, const pl_recorded_step *seen, pl_error *error)
+void pl_recorder_step(pl_recorder *r, const pl_recorded_step *seen)
 {
     if (r->path == NULL) {
-        return PL_OK;
+        return;
     }
     const bool is_last = seen->step == pl_scene_steps(r->scene);
     const bool has_frame = seen->step % r->stride == 0 || is_last;
     const bool has_curves = seen->step % r->bucket == 0 || is_last;
     add_curves(r, seen);
     if (!has_frame && !has_curves) {
-        return PL_OK;
+        return;
     }
-    if (!open_file(r, "ae")) {
-        return pl_fail(error, PL_IO, "%s: %s", r->path, strerror(errno));
-    }
-    if (has_frame) {
+    bool written = open_file(r, "ae");
+    if (written && has_frame) {
         write_frame(r, seen);
     }
-    if (has_curves) {
+    if (written && has_curves) {
         write_curves(r, seen->step);
     }
-    return close_file(r) ? PL_OK : pl_fail(error, PL_IO, "%s: %s", r->path, strerror(errno));
+    written = written && close_file(r);
+    r->path = written ? r->path : NULL;
 }
 
 void pl_recorder_end(pl_recorder *recorder)

@@ -38,8 +38,9 @@ typedef struct pl_recorded_step {
 pl_status pl_recorder_create(const char *path, const pl_scene *scene, pl_recorder *recorder,
                              pl_error *error);
 
-/* Takes the start and each step. PL_IO. */
-pl_status pl_recorder_step(pl_recorder *recorder, const pl_recorded_step *seen, pl_error *error);
+/* Takes the start and each step. A recording that cannot be written, because an engine has taken the
+ * descriptors or the disk is full, ends there: it is no part of the result. */
+void pl_recorder_step(pl_recorder *recorder, const pl_recorded_step *seen);
 
 /* Frees the recorder; {0} is allowed. */
 void pl_recorder_end(pl_recorder *recorder);

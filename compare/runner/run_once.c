@@ -151,9 +151,7 @@ static pl_status record_frame(run *r, long step, const pl_step_stats *stats, int
     if (status == PL_OK) {
         status = pl_positions_write(&r->positions, step, &r->frame, error);
     }
-    if (status == PL_OK) {
-        status = pl_recorder_step(&r->recorder, &seen, error);
-    }
+    pl_recorder_step(&r->recorder, &seen);
     return status;
 }
 
