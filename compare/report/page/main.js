@@ -65,8 +65,10 @@ function begin() {
     main.append(...parts);
     contents(parts, made.inner ?? [], made.innerTitle ?? '');
   }
+  const only = location.hash.match(/^#only=(.*)$/)?.[1]; // one section alone, for a link or a picture
+  if (only !== undefined) main.querySelectorAll(':scope>section').forEach((part) => { part.hidden = part.id !== only; });
   document.documentElement.dataset.ready = 'yes';
-  if (location.hash.length > 1) document.getElementById(location.hash.slice(1))?.scrollIntoView();
+  if (location.hash.length > 1 && only === undefined) document.getElementById(location.hash.slice(1))?.scrollIntoView();
 }
 
 begin();

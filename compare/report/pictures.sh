@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Makes the pictures of the documentation from real pages: compare/report/pictures.sh [PLUMB]. Needs Chromium
+# (the environment variable CHROMIUM, else chromium); takes two minutes.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+plumb=$(realpath "${1:-$here/../../build/compare/plumb}")
+directory=$(mktemp -d)
+trap 'rm -rf "$directory"' EXIT
+cd "$directory"
+
+# picture PAGE#HASH FILE WIDTH HEIGHT
+picture() {
+    "${CHROMIUM:-chromium}" --headless=new --no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader \
+        --hide-scrollbars --virtual-time-budget=20000 --window-size="$3,$4" --screenshot="$2" \
+        "file://$directory/$1" 2>/dev/null
+}
+
+"$plumb" compare --engine plumb --engine plumb:fast --engine ode:quick --engine ode:recommended --engine bullet:si \
+    --engine bullet:recommended --engine mujoco --out report >/dev/null
+"$plumb" sweep tower slope-slide --engine plumb --engine ode --engine bullet --vary dt=1/480..1/60:x2 --repeat 3 \
+    --out sweep >/dev/null
+picture report/index.html "$here/example.png" 1400 900
+picture 'report/index.html#only=case-4' "$here/scenario_example.png" 1400 900
+picture 'sweep/sweep.html#only=scene-0' "$here/sweep_example.png" 1200 760
