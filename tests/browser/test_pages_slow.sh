@@ -57,6 +57,20 @@ with open("many/results.jsonl", "w") as out:
 END
 quietly report hostile --out hostile-page
 quietly report many --out many-page
+# Recordings that are cut short, and a scene in which nothing can move.
+mkdir -p damaged/recordings
+cp frozen/results.jsonl damaged
+for file in frozen/recordings/*.json; do
+    head -c 700 "$file" >"damaged/recordings/${file##*/}"
+done
+quietly report damaged --out damaged-page
+"$PLUMB" scene tower --set n=1 | python3 -c '
+import json, sys
+scene = json.load(sys.stdin)
+scene["bodies"] = [body for body in scene["bodies"] if body.get("static")]
+scene.pop("expect", None)
+json.dump(scene, open("still.json", "w"))'
+quietly compare ./still.json --engine plumb --engine ode --out still
 for format in svg png pdf; do
     quietly report canonical --figure tower:t=1 --format $format --out figures
 done

@@ -94,7 +94,7 @@ export function data(id) {
   return element === null ? null : JSON.parse(element.textContent);
 }
 
-/* Calls `fill` once when the element comes near the window, or when the page is printed. */
+/* Calls `fill` once when the element comes near the window, or at the event `fill`. */
 export function whenNear(element, fill) {
   let done = false;
   const once = () => { if (!done) { done = true; observer.disconnect(); fill(); } };

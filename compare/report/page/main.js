@@ -35,6 +35,17 @@ function contents(parts, inner, innerTitle) {
   document.getElementById('contents').append(wide ? list : h('details', {}, h('summary', {}, 'Contents'), list));
 }
 
+/* Fills sections one after the other while the reader looks at the first, so that the page can be
+ * printed whole. */
+function fillLater(cases) {
+  let next = 0;
+  const one = () => {
+    cases[next++].dispatchEvent(new Event('fill'));
+    if (next < cases.length) setTimeout(one, 300);
+  };
+  setTimeout(one, 1500);
+}
+
 function report(all) {
   const styles = stylesOf(all.engines);
   const from = all.provenance;
@@ -47,8 +58,7 @@ function report(all) {
   const parts = [overview(all, styles), ...cases, about.findings(all), about.stepping(all), about.ours(all), about.settings(all), about.words(all), about.fairness(), about.metrics(all.metrics), about.provenance(all), about.licences()].filter(Boolean);
   main.append(...parts);
   contents(parts, cases, 'Scenarios');
-  const few = cases.length <= 40;
-  window.addEventListener('beforeprint', () => { if (few) cases.forEach((part) => part.dispatchEvent(new Event('fill'))); });
+  if (cases.length <= 40) fillLater(cases);
 }
 
 function begin() {

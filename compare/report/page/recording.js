@@ -13,8 +13,12 @@ async function unpack(text) {
 }
 
 export class Recording {
-  /* The recording of a run with this hash; null where the page has none. */
-  static async load(run, scene) {
+  /* The recording of a run with this hash; null where the page has none, or one that is damaged. */
+  static load(run, scene) {
+    return Recording.read(run, scene).catch(() => null);
+  }
+
+  static async read(run, scene) {
     const json = run ? data(`recording-${run}`) : null;
     if (json === null || json.schema !== 'plumb.recording/1' || json.bodies !== scene.bodies.length) return null;
     const made = new Recording();

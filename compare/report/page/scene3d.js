@@ -52,6 +52,7 @@ export function boundsOf(scene, runs) {
   const moving = scene.bodies.filter((b) => b.shape[0] !== 'plane' && (!b.static || sizeOf(scene, b.shape) < 1e3));
   const dynamic = moving.filter((b) => !b.static);
   (dynamic.length > 0 ? dynamic : moving).forEach((b) => take(b, b.at));
+  if (moving.length === 0) return { centre: [0, 0, 0], radius: 1, follow: false };
   scene.rests.forEach((r) => take(scene.bodies[r.body], r.at));
   const span = Math.max(...high.map((v, k) => v - low[k]), 1e-3);
   let seen = 0;
