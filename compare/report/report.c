@@ -76,44 +76,46 @@ static const json_t *value_at(const json_t *result, const char *column)
     return json_object_get(json_object_get(result, object), dot + 1);
 }
 
+/* Adds the names of columns, each with a comma before it but for the first of the line. */
+static void add_columns(const char *const *columns, int count, bool first, pl_text_buffer *out)
+{
+    for (int i = 0; i < count; ++i) {
+        pl_text_add(out, first && i == 0 ? "" : ",");
+        for (const char *c = columns[i]; *c != '\0'; ++c) {
+            pl_text_format(out, "%c", *c == '.' ? '_' : *c);
+        }
+    }
+}
+
+/* Adds their values in the same way. */
+static void add_values(const json_t *object, const char *const *columns, int count, bool first,
+                       pl_text_buffer *out)
+{
+    for (int i = 0; i < count; ++i) {
+        pl_text_add(out, first && i == 0 ? "" : ",");
+        add_value(value_at(object, columns[i]), out);
+    }
+}
+
 /* Adds a row; `name` and `metric` are NULL for a run without metrics. */
 static void add_line(const json_t *result, const char *name, const json_t *metric,
                      pl_text_buffer *out)
 {
-    for (int i = 0; i < RUN_COLUMNS; ++i) {
-        add_value(value_at(result, run_columns[i]), out);
-        pl_text_add(out, ",");
-    }
-    if (name != NULL) {
-        pl_text_add_csv(out, name);
-    }
-    for (int i = 0; i < METRIC_COLUMNS; ++i) {
-        pl_text_add(out, ",");
-        add_value(json_object_get(metric, metric_columns[i]), out);
-    }
-    for (int i = 0; i < VERDICT_COLUMNS; ++i) {
-        pl_text_add(out, ",");
-        add_value(json_object_get(result, verdict_columns[i]), out);
-    }
+    add_values(result, run_columns, RUN_COLUMNS, true, out);
+    pl_text_add(out, ",");
+    pl_text_add_csv(out, name == NULL ? "" : name);
+    add_values(metric, metric_columns, METRIC_COLUMNS, false, out);
+    add_values(result, verdict_columns, VERDICT_COLUMNS, false, out);
     pl_text_add(out, "\r\n");
 }
 
 static void add_header(pl_text_buffer *out)
 {
-    for (int i = 0; i < RUN_COLUMNS; ++i) {
-        for (const char *c = run_columns[i]; *c != '\0'; ++c) {
-            pl_text_format(out, "%c", *c == '.' ? '_' : *c);
-        }
-        pl_text_add(out, ",");
-    }
-    pl_text_add(out, "metric");
-    for (int i = 0; i < METRIC_COLUMNS; ++i) { /* "reason" is the run's */
-        pl_text_format(out, ",%s%s", strcmp(metric_columns[i], "reason") == 0 ? "metric_" : "",
-                       metric_columns[i]);
-    }
-    for (int i = 0; i < VERDICT_COLUMNS; ++i) {
-        pl_text_format(out, ",%s", verdict_columns[i]);
-    }
+    add_columns(run_columns, RUN_COLUMNS, true, out);
+    pl_text_add(out, ",metric");
+    add_columns(metric_columns, METRIC_COLUMNS - 1, false, out);
+    pl_text_add(out, ",metric_reason"); /* "reason" is the run's */
+    add_columns(verdict_columns, VERDICT_COLUMNS, false, out);
     pl_text_add(out, "\r\n");
 }
 
@@ -195,17 +197,10 @@ static pl_status write_files(report_file *files, int count, const pl_report_def 
 
 void pl_report_runs_csv(json_t *results, pl_text_buffer *out)
 {
-    static const char *const keys[] = {
-        "scenario", "params",         "seed",           "repeat",     "label",
-        "engine",   "profile",        "engine_version", "settings",   "outcome",
-        "verdict",  "verdict_reason", "primary_error",  "acceptance", "steps.done",
-        "host.cpu", "plumb.version",  "started",        "run"};
-    enum { KEYS = sizeof keys / sizeof keys[0] };
     size_t index;
     json_t *result;
-    for (int i = 0; i < KEYS; ++i) {
-        pl_text_format(out, "%s%s", i == 0 ? "" : ",", keys[i]);
-    }
+    add_columns(run_columns, RUN_COLUMNS, true, out);
+    add_columns(verdict_columns, VERDICT_COLUMNS, false, out);
     for (int id = 0; id < PL_METRIC_COUNT; ++id) {
         const char *unit = pl_metric_table_unit(id);
         pl_text_format(out, unit[0] == '\0' ? ",%s" : ",%s (%s)", pl_metric_table[id].name, unit);
@@ -213,10 +208,8 @@ void pl_report_runs_csv(json_t *results, pl_text_buffer *out)
     pl_text_add(out, "\r\n");
     json_array_foreach(results, index, result)
     {
-        for (int i = 0; i < KEYS; ++i) {
-            pl_text_add(out, i == 0 ? "" : ",");
-            add_value(value_at(result, keys[i]), out);
-        }
+        add_values(result, run_columns, RUN_COLUMNS, true, out);
+        add_values(result, verdict_columns, VERDICT_COLUMNS, false, out);
         for (int id = 0; id < PL_METRIC_COUNT; ++id) {
             const json_t *metric =
                 json_object_get(json_object_get(result, "metrics"), pl_metric_table[id].name);

@@ -135,13 +135,6 @@ static void add_cost_of(const pl_sweep_analysis *analysis, int point, const pl_s
     }
 }
 
-static void add_number(double value, const char *unit, pl_table *table)
-{
-    char text[PL_NUMBER_SIZE];
-    pl_format_number(value, unit, text);
-    pl_table_add(table, text);
-}
-
 static void add_pair(const pl_sweep_analysis *analysis, const pl_sweep_pair *pair, pl_table *table)
 {
     pl_table_add(table, analysis->engines[pair->ours].name);
@@ -355,28 +348,6 @@ static const char *attained_text(pl_attained_by attained)
                                                    : pl_no_number;
 }
 
-pl_table pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                               pl_sweep_kind kind, bool between)
-{
-    pl_table table = {0};
-    char headings[PL_SWEEP_TEXT_SIZE];
-    snprintf(headings, sizeof headings, "Ours|Other%s", level_headings);
-    pl_table_columns(&table, headings);
-    for (int i = 0; i < analysis->pair_count; ++i) {
-        const pl_sweep_pair *pair = &analysis->pairs[i];
-        const pl_pairwise_comparison *comparison = &scene->comparisons[i];
-        if (analysis->engines[pair->ours].kind != kind || !comparison->run) {
-            continue;
-        }
-        add_pair(analysis, pair, &table);
-        for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-            add_ratio(between ? &comparison->speed_between[k] : &comparison->speed[k],
-                      between ? pl_no_number : attained_text(comparison->at_error[k]), &table);
-        }
-    }
-    return table;
-}
-
 /* ---- Both factors of a scene ---- */
 
 /* Adds the ratio of a pair at a level, or which of the two reached it alone. */
@@ -435,69 +406,6 @@ pl_table pl_sweep_factors_table(const pl_sweep_analysis *analysis, int scene, in
                 }
             }
         }
-    }
-    return table;
-}
-
-/* Whether both fronts of a pair have the same points at cost k as at the next lower cost. */
-static bool is_same_as_before(const pl_sweep_scene *scene, const pl_sweep_pair *pair, int k)
-{
-    const int *ours = scene->curves[pair->ours].most_exact,
-              *others = scene->curves[pair->other].most_exact;
-    return k > 0 && ours[k] == ours[k - 1] && others[k] == others[k - 1];
-}
-
-pl_table pl_sweep_errors_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                               pl_sweep_kind kind)
-{
-    pl_table table = {0};
-    pl_table_columns(&table, "Ours|Other|>Cost|>Their error over ours|>Between points");
-    for (int i = 0; i < analysis->pair_count; ++i) {
-        const pl_sweep_pair *pair = &analysis->pairs[i];
-        const pl_pairwise_comparison *comparison = &scene->comparisons[i];
-        bool compared = analysis->engines[pair->ours].kind == kind && comparison->run;
-        for (int k = 0; compared && k < PL_SWEEP_TIMES; ++k) {
-            if (comparison->at_cost[k] == PL_ATTAINED_BY_NEITHER ||
-                (is_same_as_before(scene, pair, k) &&
-                 isnan(comparison->exactness_between[k].value))) {
-                continue;
-            }
-            add_pair(analysis, pair, &table);
-            add_number(pl_sweep_times[k], "s", &table);
-            add_ratio(&comparison->exactness[k], attained_text(comparison->at_cost[k]), &table);
-            add_ratio(&comparison->exactness_between[k], pl_no_number, &table);
-        }
-    }
-    return table;
-}
-
-pl_table pl_sweep_points_table(const pl_sweep_analysis *analysis, int scene)
-{
-    pl_table table = {0};
-    pl_table_columns(&table,
-                     "Engine|>Time step|>Cost|>MAD|>Repeats|>Error|>Instructions|On the front");
-    for (int i = 0; i < analysis->point_count; ++i) {
-        const pl_sweep_point *point = &analysis->points[i];
-        const pl_sweep_scene *of = &analysis->scenes[point->scene];
-        char step[PL_NUMBER_SIZE], error[PL_SWEEP_TEXT_SIZE];
-        if (point->scene != scene || point->state != PL_SWEEP_OK) {
-            continue;
-        }
-        const pl_sweep_curve *curve = &of->curves[point->engines[PL_SWEEP_WHOLE]];
-        bool on_front = false;
-        for (int k = 0; k < curve->front_count; ++k) {
-            on_front |= curve->front[k] == i;
-        }
-        pl_format_step(point->dt, step);
-        pl_sweep_error_text(point->error, of->unit, error);
-        pl_table_add(&table, point->label);
-        pl_table_add(&table, step);
-        add_number(point->cost, "s", &table);
-        add_number(point->cost_mad, "s", &table);
-        pl_table_format_cell(&table, "%d", point->sample_count);
-        pl_table_add(&table, error);
-        add_number(point->instructions, "1", &table);
-        pl_table_add(&table, on_front ? "yes" : "");
     }
     return table;
 }

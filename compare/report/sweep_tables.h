@@ -38,14 +38,6 @@ pl_table pl_sweep_factors_table(const pl_sweep_analysis *analysis, int scene, in
 pl_table pl_sweep_costs_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                               pl_sweep_kind kind);
 
-/* A row a pair: the ratio of speeds at each level; `between` points of the fronts, or at points. */
-pl_table pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                               pl_sweep_kind kind, bool between);
-
-/* A row a pair and cost at which either has a new point: the ratio of errors. */
-pl_table pl_sweep_errors_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                               pl_sweep_kind kind);
-
 /* A row a series of time steps: of all scenes, or of one (an index; -1: all). */
 pl_table pl_sweep_orders_table(const pl_sweep_analysis *analysis, int scene);
 
@@ -55,8 +47,5 @@ pl_table pl_sweep_shares_table(const pl_sweep_analysis *analysis, const pl_sweep
 /* A row a series of points without numbers that have one outcome: of all scenes, or of one (an
  * index; -1: all). */
 pl_table pl_sweep_failed_table(const pl_sweep_analysis *analysis, int scene);
-
-/* A row a point of a scene that has numbers. */
-pl_table pl_sweep_points_table(const pl_sweep_analysis *analysis, int scene);
 
 #endif

@@ -129,11 +129,29 @@ static void test_csv_has_rows_for_metrics_and_empty_runs(void **state)
     json_decref(results);
 }
 
+static void test_runs_table_has_a_row_for_each_run(void **state)
+{
+    (void)state;
+    json_t *results = two_runs("creep", 2e-3, 0.1);
+    pl_text_buffer out = {0};
+    json_object_set_new(json_array_get(results, 1), "reason", json_string("a \"b\", c"));
+    pl_report_runs_csv(results, &out);
+    assert_int_equal(count_of(out.data, "\r\n"), 3);
+    assert_before(out.data, "run,scenario,params", ",verdict,verdict_reason,acceptance,");
+    assert_contains(out.data, ",creep (m/s),");
+    assert_contains(out.data, ",0.002");
+    assert_contains(out.data, ",0.1");
+    assert_contains(out.data, "\"a \"\"b\"\", c\"");
+    pl_text_free(&out);
+    json_decref(results);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_csv_parses_back_field_for_field),
         cmocka_unit_test(test_csv_has_rows_for_metrics_and_empty_runs),
+        cmocka_unit_test(test_runs_table_has_a_row_for_each_run),
     };
     return cmocka_run_group_tests_name("report_csv", tests, NULL, NULL);
 }
