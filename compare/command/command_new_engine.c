@@ -203,21 +203,6 @@ cleanup:
     return status;
 }
 
-/* Prints a path as a word of the shell. */
-static void print_word(const char *path)
-{
-    const bool is_plain = strcspn(path, " \t\n!\"#$&'()*;<>?[\\]^`{|}~") == strlen(path);
-    fputs(is_plain ? "" : "'", stdout);
-    for (const char *c = path; *c != '\0'; ++c) {
-        if (*c == '\'') {
-            fputs("'\\''", stdout);
-        } else {
-            putchar(*c);
-        }
-    }
-    fputs(is_plain ? "" : "'", stdout);
-}
-
 static void print_next(const char *path, const char *name)
 {
     printf("%s: engine.c is the adapter to change, and sphere_world.c a toy engine in the place of "
@@ -225,7 +210,10 @@ static void print_next(const char *path, const char *name)
            "\n"
            "  cd ",
            name);
-    print_word(path);
+    pl_text_buffer word = {0};
+    pl_text_add_shell(&word, path);
+    fputs(word.failed ? path : word.data, stdout);
+    pl_text_free(&word);
     printf(" && make\n"
            "  plumb check-engine ./%s.so\n"
            "  plumb compare roll-slope bounce --engine ./%s.so --engine plumb\n",

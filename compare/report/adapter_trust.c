@@ -76,15 +76,7 @@ static trust trust_of(const pl_result_matrix *matrix, int column)
 /* Adds the SPEC as a shell takes it; results of an older version have none. */
 static void add_spec(const trust *t, pl_text_buffer *out)
 {
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                "_-.,:/=+@%";
-    const char *spec = t->spec[0] != '\0' ? t->spec : t->profile;
-    const bool is_plain = spec[strspn(spec, plain)] == '\0';
-    pl_text_add(out, is_plain ? "" : "'");
-    for (const char *c = spec; *c != '\0'; ++c) {
-        pl_text_add(out, *c == '\'' ? "'\\''" : (char[]){*c, '\0'});
-    }
-    pl_text_add(out, is_plain ? "" : "'");
+    pl_text_add_shell(out, t->spec[0] != '\0' ? t->spec : t->profile);
 }
 
 void pl_conformance_text(const pl_result_matrix *matrix, int column, pl_text_buffer *out)

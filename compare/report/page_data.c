@@ -250,7 +250,8 @@ static json_t *again_json(const pl_case *test_case)
     const pl_scenario *scenario = test_case->catalogue;
     const json_t *settings = json_object_get(test_case->result, "settings");
     pl_text_buffer line = {0};
-    pl_text_format(&line, "plumb compare %s", test_case->scenario);
+    pl_text_add(&line, "plumb compare ");
+    pl_text_add_shell(&line, test_case->scenario);
     for (int i = 0; scenario != NULL && i < scenario->param_count; ++i) {
         const json_t *value = json_object_get(test_case->params, scenario->params[i].name);
         if (json_is_number(value) && json_number_value(value) != scenario->params[i].value) {

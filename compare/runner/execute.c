@@ -205,12 +205,10 @@ static pl_status finish(execution *e, slot *ended, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    if (ended->recording != NULL) {
+    status = hand_on(e, result, seconds, error);
+    if (status == PL_OK && ended->recording != NULL) {
         status = pl_recording_finish(e->def->recordings, pl_json_get_text(result, "run"),
                                      ended->scene, error);
-    }
-    if (status == PL_OK) {
-        status = hand_on(e, result, seconds, error);
     }
     json_decref(result);
     return status;

@@ -147,6 +147,18 @@ void pl_text_add_csv(pl_text_buffer *out, const char *text)
     pl_text_add(out, "\"");
 }
 
+void pl_text_add_shell(pl_text_buffer *out, const char *text)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                "_-.,:/=+@%";
+    const bool is_plain = text[0] != '\0' && text[strspn(text, plain)] == '\0';
+    pl_text_add(out, is_plain ? "" : "'");
+    for (const char *c = text; *c != '\0'; ++c) {
+        pl_text_add(out, *c == '\'' ? "'\\''" : (char[]){*c, '\0'});
+    }
+    pl_text_add(out, is_plain ? "" : "'");
+}
+
 void pl_text_add_json(pl_text_buffer *out, const char *text)
 {
     pl_text_add(out, "\"");

@@ -45,6 +45,9 @@ void pl_text_add_markdown(pl_text_buffer *out, const char *text);
 /* Adds one field of CSV (RFC 4180), in quotes where necessary. */
 void pl_text_add_csv(pl_text_buffer *out, const char *text);
 
+/* Adds a word of a POSIX shell, in quotes where necessary. */
+void pl_text_add_shell(pl_text_buffer *out, const char *text);
+
 /* Adds a JSON string: text in quotes, escaped. */
 void pl_text_add_json(pl_text_buffer *out, const char *text);
 

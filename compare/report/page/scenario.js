@@ -51,7 +51,7 @@ function outputs(runs) {
 function again(test, runs) {
   return folded('Settings, and how to run it again',
     table({ caption: 'Parameters', columns: [{ name: 'parameter' }, { name: 'value', right: true }, { name: 'meaning', wide: true }], rows: test.params }),
-    h('pre', {}, [test.again, ...runs.map((r) => `  --engine ${r.cell.spec ?? r.name}`)].join(' \\\n')));
+    h('pre', {}, [test.again, ...runs.map((r) => `  --engine '${(r.cell.spec ?? r.name).replaceAll("'", "'\\''")}'`)].join(' \\\n')));
 }
 
 function plotCurves(loaded, styles) {
