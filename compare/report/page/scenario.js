@@ -23,7 +23,7 @@ function engineTable(test, runs) {
     columns: [{ name: 'engine' }, { name: 'verdict' }, { name: 'error', right: true }, { name: 'time a step', right: true }, { name: 'relative', right: true, title: 'to the fastest accurate run' }, { name: 'deepest overlap', right: true }, { name: 'energy gained', right: true }, { name: 'iterations', right: true }, { name: 'why', wide: true }],
     rows: runs.map(({ name, cell }) => [name, { text: cell.verdict, children: [badge(cell), cell.repeats ? h('span', { class: 'small' }, ` ${cell.repeats} repeats`) : null] }, of(cell, 'reference_error'), of(cell, 'time_per_step'),
       { text: Number.isFinite(least) && timeOf(cell) !== null ? `×${digits(timeOf(cell) / least)}` : '–', value: timeOf(cell) }, of(cell, 'penetration_max'), of(cell, 'energy_gain'), of(cell, 'iterations_mean'),
-      [remark(test, cell), cell.why, cell.note, cell.disagrees ? 'repeats differ' : ''].filter(Boolean).join('; ')]) });
+      [remark(test, cell), cell.why, cell.why?.includes(cell.note) ? '' : cell.note, cell.disagrees ? 'repeats differ' : ''].filter(Boolean).join('; ')]) });
 }
 
 /* The final distance of each body from its rest, for every run. */
