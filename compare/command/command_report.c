@@ -1,5 +1,5 @@
 /* plumb report: the report of existing results, from any number of files. */
-#include "report/figure.h"
+#include "figure.h"
 #include "report/report.h"
 #include "report/study_page.h"
 #include "report/sweep_report.h"

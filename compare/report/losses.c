@@ -51,7 +51,8 @@ static bool comparable(const pl_cell *a, const pl_cell *b, int metric)
                                            pl_result_text(b->result, "host", "cpu")) == 0);
 }
 
-bool pl_loss_is_worse(const pl_case *test_case, int metric, double value, double best)
+/* Whether the value is worse than `best` by more than noise. */
+static bool is_worse(const pl_case *test_case, int metric, double value, double best)
 {
     double level = fmax(best, floor_of(test_case, metric));
     if (metric == PL_METRIC_MEMORY_PEAK && value - best <= memory_noise) {
@@ -60,7 +61,8 @@ bool pl_loss_is_worse(const pl_case *test_case, int metric, double value, double
     return value > (is_measured(metric) ? level * (1 + relative_noise) : level);
 }
 
-bool pl_loss_is_compared(int metric)
+/* Whether the metric is better when lower, and means the same to every engine. */
+static bool is_compared(int metric)
 {
     return pl_metric_table[metric].direction == PL_LOWER_IS_BETTER &&
            metric != PL_METRIC_ITERATIONS_MEAN && metric != PL_METRIC_ITERATIONS_MAX &&
@@ -124,7 +126,7 @@ static void compare_metric(const pl_result_matrix *matrix, pl_loss loss, int met
     }
     double our_value = ours->value;
     double best_value = loss.best_cell->metrics[metric].value;
-    if (!pl_loss_is_worse(loss.test_case, metric, our_value, best_value)) {
+    if (!is_worse(loss.test_case, metric, our_value, best_value)) {
         return;
     }
     loss.kind = PL_LOSS_VALUE;
@@ -142,7 +144,7 @@ static void compare_run(const pl_result_matrix *matrix, pl_loss loss, pl_losses 
     }
     if (loss.our_cell->ok) {
         for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-            if (pl_loss_is_compared(id)) {
+            if (is_compared(id)) {
                 compare_metric(matrix, loss, id, losses);
             }
         }
@@ -225,7 +227,7 @@ static void write_rule(pl_text_buffer *text)
                 "engine whose outcome is ok: ");
     const char *separator = "";
     for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-        if (!pl_loss_is_compared(id)) {
+        if (!is_compared(id)) {
             continue;
         }
         pl_text_format(text, "%s%s", separator, pl_metric_table[id].name);

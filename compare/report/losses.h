@@ -36,14 +36,6 @@ typedef struct pl_losses {
     pl_text_buffer rule;      /* in words: which metrics count, and which differences do not */
 } pl_losses;
 
-/* Whether `value` of a metric is worse than `best` on the same case by more than noise: above the
- * metric's floor and, where the metric is measured, outside its spread. */
-bool pl_loss_is_worse(const pl_case *test_case, int metric, double value, double best);
-
-/* Whether the metric is better when lower, and means the same to every engine. Iterations do not:
- * one of a solver is another amount of work than one of another; nor do residuals. */
-bool pl_loss_is_compared(int metric);
-
 /* Finds the losses of a matrix, which must outlive *losses. The caller frees *losses, also on
  * failure. PL_NO_MEMORY. */
 pl_status pl_losses_find(const pl_result_matrix *matrix, pl_losses *losses, pl_error *error);

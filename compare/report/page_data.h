@@ -11,13 +11,8 @@ pl_status pl_page_data(const pl_report *report, json_t **data, pl_error *error);
 /* What a page says of a scenario of the catalogue, set in `object`. */
 void pl_page_data_scenario(const pl_scenario *scenario, json_t *object);
 
-/* What the words of a scene and of options mean in each engine, and what has no counterpart there, as
- * a JSON object that the caller releases:
- *
- *     {"schema": "plumb.engine-words/1", "engines": [ENGINE, ...],
- *      "words": [{"word": TEXT, "means": {ENGINE: TEXT, ...}}, ...]}
- *
- * NULL: out of memory. */
+/* What the words of a scene and of options mean in each engine (engine_words.json,
+ * plumb.engine-words/1): a JSON object that the caller releases; NULL when out of memory. */
 json_t *pl_engine_words(void);
 
 /* Name, unit, direction and definition of every metric: a new array. */

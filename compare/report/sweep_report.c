@@ -3,11 +3,9 @@
 
 #include "base/folding.h"
 #include "base/json_field.h"
-#include "page.h"
 #include "results/store.h"
+#include "study_page.h"
 #include "sweep_tables.h"
-
-#include <stdlib.h>
 
 enum { PRINTED_ROWS = 20 };
 
@@ -18,17 +16,6 @@ static bool has_ours(const pl_sweep_analysis *analysis)
 }
 
 /* ---- Files ---- */
-
-static pl_status write_in(const char *directory, const char *name, const char *text, size_t length,
-                          pl_error *error)
-{
-    pl_text_buffer path = {0};
-    pl_text_format(&path, "%s/%s", directory, name);
-    pl_status status = path.failed ? pl_fail(error, PL_NO_MEMORY, "out of memory to write %s", name)
-                                   : pl_write_text(path.data, text, length, error);
-    pl_text_free(&path);
-    return status;
-}
 
 /* Sets what one of the functions of sweep_tables.h says. */
 static void set_said(json_t *json, const char *key, const pl_sweep_analysis *analysis,
@@ -56,26 +43,18 @@ json_t *pl_sweep_report_json(const pl_sweep_analysis *analysis)
 pl_status pl_sweep_report_write(const char *directory, const pl_sweep_analysis *analysis,
                                 pl_error *error)
 {
-    pl_text_buffer page = {0}, lines = {0};
+    pl_text_buffer path = {0};
     json_t *json = pl_sweep_report_json(analysis);
-    char *text = json_dumps(json, JSON_SORT_KEYS | JSON_INDENT(1) | JSON_REAL_PRECISION(17));
-    pl_page_of_study(&page, "sweep", json);
-    pl_text_format(&lines, "%s\n", text == NULL ? "" : text);
-    pl_status status = PL_OK;
-    if (text == NULL || page.failed || lines.failed) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory to report %d points",
-                         analysis->point_count);
-    }
+    pl_text_format(&path, "%s/sweep.json", directory);
+    pl_status status = path.failed || json == NULL
+                           ? pl_fail(error, PL_NO_MEMORY, "out of memory to report %d points",
+                                     analysis->point_count)
+                           : pl_results_write_json(path.data, json, error);
     if (status == PL_OK) {
-        status = write_in(directory, "sweep.json", lines.data, lines.length, error);
+        status = pl_study_page_write(directory, "sweep", json, error);
     }
-    if (status == PL_OK) {
-        status = write_in(directory, "sweep.html", page.data, page.length, error);
-    }
-    free(text);
     json_decref(json);
-    pl_text_free(&lines);
-    pl_text_free(&page);
+    pl_text_free(&path);
     return status;
 }
 

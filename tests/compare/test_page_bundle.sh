@@ -11,7 +11,8 @@ bundle() {
     cmake -DSOURCE="$SOURCE/compare/report/page" -DBUILD="$directory/$1" -DESBUILD="$2" -DFULL=OFF \
         -P "$SOURCE/compare/report/page/bundle.cmake" >out 2>&1 || note_failure "$1: $(cat out)"
     local hash
-    hash=$(openssl dgst -sha256 -binary "$1/main.js" | base64)
+    hash=$(python3 -c 'import base64, hashlib, sys; print(base64.b64encode(hashlib.sha256(open(sys.argv[1], "rb").read()).digest()).decode())' \
+        "$1/main.js")
     grep -qF "script-src 'sha256-$hash'" "$1/page.html" || note_failure "$1: the policy names another script"
     [[ $(grep -c '<!--data-->' "$1/page.html") == 1 ]] || note_failure "$1: no place for the data"
 }

@@ -1,5 +1,5 @@
 /* The later parts of a report: findings, where plumb loses, settings, words, fairness, metrics. */
-import { add, data, facts, folded, h, p, section, table } from './dom.js';
+import { data, facts, folded, h, p, section, table } from './dom.js';
 
 const link = (report, index) => ({ text: report.cases[index].name, value: index, children: h('a', { href: `#case-${index}` }, report.cases[index].name) });
 
@@ -70,5 +70,3 @@ export function licences() {
   if (found.length === 0) return null;
   return section('licences', 'Licences of bundled parts', p(`This page contains ${found.map(([name]) => name).join(', ')}.`, 'small'), folded('Licence texts', found.map(([name, text]) => [h('h3', {}, name), h('pre', {}, text)])));
 }
-
-export { add };

@@ -20,5 +20,4 @@ export function number(value, unit = '') {
 
 export const ratio = (value) => (Number.isFinite(value) ? `×${digits(value)}` : '–');
 export const plural = (count, word) => `${count} ${word}${count === 1 ? '' : 's'}`;
-export const list = (words) => (words.length < 2 ? words.join('') : `${words.slice(0, -1).join(', ')} and ${words.at(-1)}`);
 export const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, '-').slice(0, 60);

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Makes the pictures of the documentation from real pages: compare/report/pictures.sh [PLUMB]. Needs Chromium
+# Makes the pictures of the documentation from real pages: tests/benchmark/page_pictures.sh [PLUMB]. Needs Chromium
 # (the environment variable CHROMIUM, else chromium); takes two minutes.
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
+here=$(cd "$(dirname "$0")/../../compare/report" && pwd)
 plumb=$(realpath "${1:-$here/../../build/compare/plumb}")
 directory=$(mktemp -d)
 trap 'rm -rf "$directory"' EXIT

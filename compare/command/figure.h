@@ -2,7 +2,7 @@
 #ifndef PLUMB_FIGURE_H
 #define PLUMB_FIGURE_H
 
-#include "report.h"
+#include "report/report.h"
 
 /* The formats of a picture. */
 typedef enum pl_figure_format { PL_FIGURE_SVG, PL_FIGURE_PNG, PL_FIGURE_PDF } pl_figure_format;

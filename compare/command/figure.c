@@ -2,8 +2,8 @@
 
 #include "base/file_text.h"
 #include "base/number.h"
+#include "report/summary.h"
 #include "results/store.h"
-#include "summary.h"
 
 #include <errno.h>
 #include <fcntl.h>
