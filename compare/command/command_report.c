@@ -118,7 +118,7 @@ static pl_status write_report(const options *o, const json_t *results, pl_error 
                                .folder_count = request->names.count};
     char *picture = NULL;
     pl_status status = failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a report")
-                       : o->figure != NULL
+                       : o->figure != NULL && o->format != NULL
                            ? pl_figure_write(&def, o->figure, o->format->picture, &picture, error)
                            : pl_report_write(&def, error);
     if (picture != NULL && status == PL_OK) {

@@ -272,7 +272,9 @@ static recording *find_recordings(const pl_report_def *def, const pl_result_matr
             }
         }
     }
-    qsort(found, (size_t)*count, sizeof *found, compare_sizes);
+    if (found != NULL) {
+        qsort(found, (size_t)*count, sizeof *found, compare_sizes);
+    }
     return found;
 }
 
