@@ -155,7 +155,7 @@ static void add_run(const pl_column *column, const pl_cell *cell, pl_table *tabl
     pl_table_format_cell(table, "%s%s%s%.600s", verdict,
                          run && pl_cell_disagrees(cell) ? " (not deterministic)" : "",
                          why[0] != '\0' ? ": " : "", why);
-    pl_table_style(table, pl_cell_style(cell), NULL);
+    pl_table_style(table, pl_cell_style(cell));
 }
 
 /* The largest number of repeats that a number shown is the median of. */

@@ -109,7 +109,7 @@ pl_table pl_verdict_counts_table(const pl_verdict_counts *counts)
             const int runs = value_of(item, (count_column)k);
             if (shown[k]) {
                 pl_table_format_cell(&table, "%d", runs);
-                pl_table_style(&table, runs > 0 ? styles[k] : NULL, NULL);
+                pl_table_style(&table, runs > 0 ? styles[k] : NULL);
             }
         }
     }

@@ -144,18 +144,11 @@ void pl_table_add_span(pl_table *table, const char *text)
     }
 }
 
-void pl_table_style(pl_table *table, const char *style, const char *title)
+void pl_table_style(pl_table *table, const char *style)
 {
-    const size_t offset = table->texts.length;
-    const bool has_title = title != NULL && title[0] != '\0';
-    if (has_title) {
-        pl_text_add(&table->texts, title);
-        end_text(table);
-    }
     pl_table_cell *cell = last_cell(table);
     if (cell != NULL) {
         cell->style = style;
-        cell->title = has_title ? offset : 0;
     }
 }
 
@@ -258,48 +251,12 @@ static void write_csv_row(const writer *w, int row)
     pl_text_add(w->out, table->line_end == NULL ? "\r\n" : table->line_end);
 }
 
-static void write_html_row(const writer *w, int row)
-{
-    const pl_table *table = w->table;
-    pl_text_add(w->out, row < 0 ? "<thead><tr>" : "<tr>");
-    for (int k = 0; k < table->column_count; ++k) {
-        const pl_table_cell *cell = cell_of(table, row, k);
-        const char *text = pl_table_text(table, row, k);
-        if (text == NULL) {
-            break;
-        }
-        const char *tag = row < 0 || k == 0 ? "th" : "td";
-        const char *style = cell->style == NULL ? "" : cell->style;
-        const char *number = table->headings[k].align == PL_RIGHT && !cell->is_span ? "n" : "";
-        pl_text_format(w->out, "<%s", tag);
-        if (number[0] != '\0' || style[0] != '\0') {
-            pl_text_format(w->out, " class=\"%s%s%s\"", number,
-                           number[0] != '\0' && style[0] != '\0' ? " " : "", style);
-        }
-        if (cell->title != 0) {
-            pl_text_add_element(w->out, " title=\"", table->texts.data + cell->title, "\"");
-        }
-        if (cell->is_span && k + 1 < table->column_count) {
-            pl_text_format(w->out, " colspan=\"%d\"", table->column_count - k);
-        }
-        pl_text_add(w->out, ">");
-        if (cell->is_markup) {
-            pl_text_add(w->out, text);
-        } else {
-            pl_text_add_html(w->out, text);
-        }
-        pl_text_format(w->out, "</%s>", tag);
-    }
-    pl_text_add(w->out, row < 0 ? "</tr></thead>\n<tbody>\n" : "</tr>\n");
-}
-
 static void write_rows(const writer *w, int first, int last)
 {
     static void (*const write_row[])(const writer *w,
                                      int row) = {[PL_TABLE_MARKDOWN] = write_markdown_row,
                                                  [PL_TABLE_MARKDOWN_PADDED] = write_markdown_row,
-                                                 [PL_TABLE_CSV] = write_csv_row,
-                                                 [PL_TABLE_HTML] = write_html_row};
+                                                 [PL_TABLE_CSV] = write_csv_row};
     write_row[w->format](w, -1);
     for (int row = first; row < last; ++row) {
         write_row[w->format](w, row);
@@ -330,12 +287,7 @@ void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffe
         width[k] = column_width(table, k);
     }
     const writer w = {.table = table, .format = format, .out = out, .width = width};
-    pl_text_add(out, format == PL_TABLE_HTML ? "<div class=\"scroll\"><table>\n" : "");
-    if (format == PL_TABLE_HTML && table->caption != NULL) {
-        pl_text_add_element(out, "<caption>", table->caption, "</caption>\n");
-    }
     write_rows(&w, table->first, last);
-    pl_text_add(out, format == PL_TABLE_HTML ? "</tbody></table></div>\n" : "");
     free(width);
 }
 

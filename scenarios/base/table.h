@@ -1,5 +1,5 @@
 /* Tables. A table is filled cell by cell, row by row, and written as plain text with aligned
- * columns, as Markdown (GitHub Flavored Markdown 0.29, section 4.10), as CSV (RFC 4180) or as HTML.
+ * columns, as Markdown (GitHub Flavored Markdown 0.29, section 4.10) or as CSV (RFC 4180).
  *
  *     pl_table table = {0};
  *     pl_table_column(&table, PL_LEFT, "engine");
@@ -23,11 +23,10 @@ typedef enum pl_table_format {
     PL_TABLE_TEXT,            /* aligned columns for a terminal */
     PL_TABLE_MARKDOWN,        /* every cell escaped, so that it contains no markup */
     PL_TABLE_MARKDOWN_PADDED, /* aligned columns, for a terminal too; only '|' is escaped */
-    PL_TABLE_CSV,             /* lines end as `line_end` says; a heading row is always written */
-    PL_TABLE_HTML             /* a table element in a div element of class "scroll" */
+    PL_TABLE_CSV              /* lines end as `line_end` says; a heading row is always written */
 } pl_table_format;
 
-/* Where the cells of a column stand. In HTML, cells of PL_RIGHT have the class "n". */
+/* Where the cells of a column stand. */
 typedef enum pl_table_align { PL_LEFT, PL_RIGHT } pl_table_align;
 
 /* The heading of a column, with its alignment. */
@@ -38,10 +37,10 @@ typedef struct pl_table_heading {
 
 /* A cell of a table. */
 typedef struct pl_table_cell {
-    size_t text, title; /* offsets in texts; title = 0: none */
-    const char *style;  /* borrowed; NULL: none */
-    bool is_markup;     /* not escaped in Markdown and HTML */
-    bool is_span;       /* stands in all columns up to the end of the row */
+    size_t text;       /* offset in texts */
+    const char *style; /* borrowed; NULL: none */
+    bool is_markup;    /* not escaped in Markdown */
+    bool is_span;      /* stands in all columns up to the end of the row */
 } pl_table_cell;
 
 /* Starts as {0}. The fields of the second group may be set before the table is written. */
@@ -59,7 +58,6 @@ typedef struct pl_table {
     int keys;             /* text: the first columns that name a row; 0 counts as 1 */
     bool colour;          /* text: colours by style, by escape sequences */
     const char *line_end; /* CSV: "\r\n" where it is NULL */
-    const char *caption;  /* HTML: what the table shows; NULL: none */
     const char *missing;  /* for a number that is not finite; "-" where it is NULL */
 } pl_table;
 
@@ -88,17 +86,15 @@ void pl_table_format_cell(pl_table *table, const char *format, ...);
 /* Adds the next cell, with a number of `digits` significant digits ("%.*g"). */
 void pl_table_number(pl_table *table, double value, int digits);
 
-/* Adds a cell that is already Markdown or HTML, and is not escaped when written as such. */
+/* Adds a cell that is already Markdown, and is not escaped when written as such. */
 void pl_table_add_markup(pl_table *table, const char *markup);
 
 /* Adds a cell that takes the rest of its row. */
 void pl_table_add_span(pl_table *table, const char *text);
 
-/* Gives the cell that was added last a style and a tooltip; either may be NULL or empty. The style
- * is the cell's class in HTML, and its colour in text: "ok" green, "poor" yellow, "bad" red, "none"
- * faint. The
- * tooltip is written in HTML only. */
-void pl_table_style(pl_table *table, const char *style, const char *title);
+/* Sets the style of the last cell, borrowed: its colour in text is "ok" green, "poor" yellow, "bad" red,
+ * "none" faint; NULL or another: none. */
+void pl_table_style(pl_table *table, const char *style);
 
 /* Complete rows; 0 when memory ran out. */
 int pl_table_rows(const pl_table *table);

@@ -21,7 +21,7 @@ static void fill(pl_table *table)
     pl_table_add(table, "b,c");
     pl_table_number(table, (double)NAN, 3);
     pl_table_add_markup(table, "<b>no</b>");
-    pl_table_style(table, "bad", "a \"reason\"");
+    pl_table_style(table, "bad");
     pl_table_add(table, "none");
     pl_table_add_span(table, "not run");
 }
@@ -78,21 +78,6 @@ static void test_table_as_csv(void **state)
     pl_table_free(&table);
 }
 
-static void test_table_as_html(void **state)
-{
-    (void)state;
-    pl_table table = {.first = 1};
-    fill(&table);
-    check_format(&table, PL_TABLE_HTML,
-                 "<div class=\"scroll\"><table>\n<thead><tr><th>engine</th>"
-                 "<th class=\"n\">error, m</th><th>to 0.5</th></tr></thead>\n<tbody>\n"
-                 "<tr><th>b,c</th><td class=\"n\">-</td>"
-                 "<td class=\"bad\" title=\"a &quot;reason&quot;\"><b>no</b></td></tr>\n"
-                 "<tr><th>none</th><td colspan=\"2\">not run</td></tr>\n"
-                 "</tbody></table></div>\n");
-    pl_table_free(&table);
-}
-
 static void test_empty_table_is_left_out(void **state)
 {
     (void)state;
@@ -100,7 +85,6 @@ static void test_empty_table_is_left_out(void **state)
     pl_table_columns(&table, "a|b");
     check_format(&table, PL_TABLE_TEXT, "");
     check_format(&table, PL_TABLE_MARKDOWN, "");
-    check_format(&table, PL_TABLE_HTML, "");
     check_format(&table, PL_TABLE_CSV, "a,b\r\n");
     pl_table_free(&table);
 }
@@ -151,7 +135,6 @@ int main(void)
         cmocka_unit_test(test_table_as_aligned_text),
         cmocka_unit_test(test_table_as_markdown),
         cmocka_unit_test(test_table_as_csv),
-        cmocka_unit_test(test_table_as_html),
         cmocka_unit_test(test_empty_table_is_left_out),
         cmocka_unit_test(test_array_grows_and_keeps_items),
         cmocka_unit_test(test_hash_is_fnv1a),

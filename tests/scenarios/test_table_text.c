@@ -154,7 +154,7 @@ static void test_colour_ends_with_its_line(void **state)
     pl_table table = {.line_width = 12, .colour = true};
     pl_table_columns(&table, "what");
     pl_table_add(&table, "it sank, and then fell");
-    pl_table_style(&table, "bad", NULL);
+    pl_table_style(&table, "bad");
     check_text(&table,
                "\033[2mwhat\033[0m\n\033[31mit sank, and\033[0m\n\033[31mthen fell\033[0m\n");
     pl_table_free(&table);
