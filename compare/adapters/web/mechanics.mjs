@@ -1,0 +1,104 @@
+// What adapters share: rotations, the principal frames of hulls and meshes, and applied forces.
+//
+// Quaternions are [w, x, y, z], body to world, and need not be exactly unit. The principal frame of a body is at its
+// centre of mass, along its principal axes. It differs from the shape's frame for hulls and meshes only.
+
+/** Hamilton's product a b: the rotation b, then the rotation a. */
+export function product(a, b) {
+  return [
+    a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+    a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+    a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3],
+    a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1],
+  ];
+}
+
+/** The rotation that undoes q. */
+export const inverse = (q) => [q[0], -q[1], -q[2], -q[3]];
+
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
+/** The vector v, in body axes, in world axes. */
+export function rotate(q, v) {
+  const [w, x, y, z] = q;
+  const s = 2 / (w * w + x * x + y * y + z * z);
+  return [
+    (1 - s * (y * y + z * z)) * v[0] + s * (x * y - w * z) * v[1] + s * (x * z + w * y) * v[2],
+    s * (x * y + w * z) * v[0] + (1 - s * (x * x + z * z)) * v[1] + s * (y * z - w * x) * v[2],
+    s * (x * z - w * y) * v[0] + s * (y * z + w * x) * v[1] + (1 - s * (x * x + y * y)) * v[2],
+  ];
+}
+
+/** The rotation that turns the z axis to the unit vector `to`. */
+export function rotationFromZ(to) {
+  return to[2] < -0.999999 ? [0, 1, 0, 0] : normalized([1 + to[2], -to[1], to[0], 0]);
+}
+
+export function normalized(v) {
+  const length = Math.hypot(...v);
+  return v.map((x) => x / length);
+}
+
+/** The solid of a body that is a hull or a mesh; undefined for the others. */
+export const solidOf = (setup, body) => setup.solids[body.shape.solid];
+
+/** The vertices of a solid in its principal frame, m: a Float32Array of three numbers each. */
+export function principalVertices(solid) {
+  const back = inverse(solid.axes);
+  return Float32Array.from(solid.vertices.flatMap((v) => rotate(back, v.map((x, k) => x - solid.centre[k]))));
+}
+
+/** Where the principal frame of a body is at the start: {position, orientation}. */
+export function principalPose(setup, body) {
+  const solid = solidOf(setup, body);
+  if (!solid) {
+    return {position: body.position, orientation: body.orientation};
+  }
+  const offset = rotate(body.orientation, solid.centre);
+  return {
+    position: body.position.map((x, k) => x + offset[k]),
+    orientation: product(body.orientation, solid.axes),
+  };
+}
+
+/** Writes the state of body `index` into a frame, from the pose of its principal frame. Angular velocity in world axes. */
+export function writeState(frame, setup, index, position, orientation, velocity, angularVelocity) {
+  const solid = solidOf(setup, setup.bodies[index]);
+  let q = orientation;
+  let x = position;
+  if (solid) {
+    q = product(orientation, inverse(solid.axes));
+    const offset = rotate(q, solid.centre);
+    x = position.map((value, k) => value - offset[k]);
+  }
+  const at = 13 * index;
+  frame.set(x, at);
+  frame.set(q, at + 3);
+  frame.set(velocity, at + 7);
+  frame.set(angularVelocity, at + 10);
+}
+
+/**
+ * Calls apply(body index, force, torque), both in world axes and about the centre of mass, for each force that acts in
+ * step `number`. orientationOf(index) is the present orientation of a body's principal frame.
+ */
+export function applyForces(setup, number, orientationOf, apply) {
+  const time = (number - 1) * setup.dt;
+  const slack = 1e-6 * setup.dt;
+  setup.bodies.forEach((body, index) => {
+    for (const f of body.static ? [] : body.forces) {
+      if (time + slack < f.from || (f.until !== null && time + slack >= f.until)) {
+        continue;
+      }
+      let {force, at} = f;
+      if (f.frame === 'body') {
+        const solid = solidOf(setup, body);
+        const q = orientationOf(index);
+        const ownAxes = solid ? product(q, inverse(solid.axes)) : q;
+        force = rotate(ownAxes, force);
+        at = rotate(ownAxes, at);
+      }
+      apply(index, force, cross(at, force));
+    }
+  });
+}
