@@ -1,5 +1,17 @@
 #include "built_in.h"
 
+#include <stdio.h>
+#include <unistd.h>
+
+/* Where the build puts the scripts and, next to them, node_modules. */
+static const char FOLDER[] = PLUMB_WEB_FOLDER;
+
+#define WEB(engine, npm_package)                                                                   \
+    {                                                                                              \
+        .name = engine, .package = npm_package, .libraries = "", .script = engine ".mjs",          \
+        .module = npm_package                                                                      \
+    }
+
 const pl_built_in *pl_built_in_engines(int *count)
 {
     static const pl_built_in all[] = {
@@ -25,7 +37,33 @@ const pl_built_in *pl_built_in_engines(int *count)
          .entry = pl_engine_mujoco
 #endif
         },
+        WEB("mujoco3", "@mujoco/mujoco"),
+        WEB("rapier", "@dimforge/rapier3d-compat"),
+        WEB("rapier-deterministic", "@dimforge/rapier3d-deterministic-compat"),
+        WEB("jolt", "jolt-physics"),
+        WEB("physx", "physx-js-webidl"),
+        WEB("havok", "@babylonjs/havok"),
+        WEB("cannon", "cannon-es"),
     };
     *count = (int)(sizeof all / sizeof *all);
     return all;
+}
+
+bool pl_built_in_is_present(const pl_built_in *built_in)
+{
+    char path[4096];
+    if (built_in->script == NULL) {
+        return built_in->entry != NULL;
+    }
+    snprintf(path, sizeof path, "%s/node_modules/%s/package.json", FOLDER, built_in->module);
+    return access(path, R_OK) == 0;
+}
+
+bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size)
+{
+    if (built_in->script == NULL) {
+        return false;
+    }
+    snprintf(command, size, "node '%s/%s'", FOLDER, built_in->script);
+    return true;
 }

@@ -16,14 +16,22 @@ const pl_engine *pl_engine_bullet(void);
 /* The adapter of MuJoCo. It is not compiled when MuJoCo is absent from this build. */
 const pl_engine *pl_engine_mujoco(void);
 
-/* A built-in engine. */
+/* A built-in engine: one that is linked to the program, or an adapter of ours that is a program. */
 typedef struct pl_built_in {
     const char *name;
-    const char *package;   /* Debian packages that provide it; "" for our own */
+    const char *package;   /* the packages that provide it; "" for our own */
     const char *libraries; /* base names of its shared libraries begin with one of these, separated
                               by blanks; "": it has none */
-    pl_engine_entry entry; /* NULL: absent from this build */
+    pl_engine_entry entry; /* NULL: absent from this build, or a program */
+    const char *script;    /* file of adapters/web that node runs; NULL: it is linked */
+    const char *module;    /* the npm package that the script needs */
 } pl_built_in;
+
+/* Whether the engine can be run here: it is linked, or its npm package is installed. */
+bool pl_built_in_is_present(const pl_built_in *built_in);
+
+/* The command that runs an engine that is a program, in `command` of that size; false: it is linked. */
+bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size);
 
 /* All of them in the order of reports, absent ones too. Static storage. */
 const pl_built_in *pl_built_in_engines(int *count);

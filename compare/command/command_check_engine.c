@@ -296,7 +296,7 @@ static const pl_option OPTIONS[] = {
      .field = offsetof(options, quiet), .letter = 'q'},
     {"timeout", NULL, "Longest wall time of a check in seconds (default 20)",
      .kind = PL_OPTION_HELP},
-    {"memory", NULL, "Largest address space of a check in GiB (default 8; 0: no limit)",
+    {"memory", NULL, "Largest memory of a check in GiB (default 8; 0: no limit)",
      .kind = PL_OPTION_HELP},
     {"list", NULL, "List the checks, and make none", PL_OPTION_FLAG,
      .field = offsetof(options, list), .letter = 'l'},

@@ -202,7 +202,7 @@ static pl_status add_tuned(pl_plan *base, pl_error *error)
             status = pl_tuned_profile_find(engine, "tuned", &profile, &found, error);
         }
         if (found) { /* once, however many profiles the engine has */
-            snprintf(spec, sizeof spec, "%s:tuned", pl_engine_spec_name(engine));
+            snprintf(spec, sizeof spec, "%s:tuned", engine->spec);
             status = pl_plan_add_engine(base, spec, error);
         }
     }

@@ -55,7 +55,7 @@ static pl_status save_profile(const options *o, const pl_tune_def *def, const pl
     }
     if (status == PL_OK) {
         fprintf(stderr, "plumb tune: %s: --engine %s:tuned --profiles %s\n", path,
-                pl_engine_spec_name(def->space->base.engine), path);
+                def->space->base.engine->spec, path);
     }
     free(path);
     json_decref(profile);

@@ -143,8 +143,8 @@ static void load_again(pl_probe *p)
     const pl_engine_info *info = p->choice->engine;
     pl_session_destroy(&p->session);
     pl_unload_engine(&p->session.loaded);
-    if (pl_load_engine(info->path, info->path == NULL ? info->built_in->entry : NULL,
-                       &p->session.loaded, &error) != PL_OK) {
+    const pl_engine_origin origin = pl_engine_origin_of(info);
+    if (pl_load_engine(&origin, &p->session.loaded, &error) != PL_OK) {
         pl_probe_fail(p, "the engine loads a second time", error.message, "");
     }
 }

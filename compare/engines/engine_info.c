@@ -4,7 +4,6 @@
 
 #include "adapters/contact_problems.h"
 #include "base/json_field.h"
-#include "load_engine.h"
 #include "process.h"
 
 #include <fenv.h>
@@ -122,10 +121,7 @@ static json_t *sources_json(const pl_engine *engine)
     return list;
 }
 
-typedef struct description_job {
-    const char *path;
-    const pl_built_in *built_in;
-} description_job;
+/* `user` of the job is the info, of which the fields about the origin are set. */
 
 static bool gives_contact_problems(const pl_engine *engine, FILE *answer)
 {
@@ -137,7 +133,7 @@ static bool gives_contact_problems(const pl_engine *engine, FILE *answer)
     return gives;
 }
 
-static pl_status describe(const description_job *job, FILE *answer, json_t **description,
+static pl_status describe(const pl_engine_info *job, FILE *answer, json_t **description,
                           pl_error *error)
 {
     char hash[17];
@@ -146,10 +142,11 @@ static pl_status describe(const description_job *job, FILE *answer, json_t **des
     const int mapped = pl_mapped_file_count();
     report_stage(answer, "while it was loaded");
     const char *libraries = job->built_in == NULL ? NULL : job->built_in->libraries;
-    pl_status status = pl_load_engine(
-        job->path, job->built_in == NULL ? NULL : job->built_in->entry, &loaded, error);
+    const pl_engine_origin origin = pl_engine_origin_of(job);
+    pl_status status = pl_load_engine(&origin, &loaded, error);
     if (status == PL_OK) {
-        status = pl_binary_hash(mapped, libraries, hash, error);
+        status = loaded.is_program ? pl_program_hash(hash, error)
+                                   : pl_binary_hash(mapped, libraries, hash, error);
     }
     if (status == PL_OK && job->path != NULL) {
         status = pl_binary_stamp(mapped, stamp, error);
@@ -159,26 +156,25 @@ static pl_status describe(const description_job *job, FILE *answer, json_t **des
     }
     const pl_engine *e = &loaded.table;
     *description = json_pack(
-        "{s:o, s:o, s:o, s:o, s:I, s:I, s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:b, s:b, s:b, s:s, "
-        "s:s}",
+        "{s:o, s:o, s:o, s:o, s:o, s:I, s:I, s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:b, s:b, s:b, "
+        "s:s, s:s}",
         "name", text(e->name), "version", text(e->version), "description", text(e->description),
-        "residual_unit", text(e->residual_unit), "capabilities", (json_int_t)e->capabilities,
-        "contacts", (json_int_t)e->contacts, "precision", (int)e->precision, "integrator",
-        (int)e->integrator, "gyroscopic", (int)e->gyroscopic, "substeps", e->substeps, "profiles",
-        profiles_json(e, answer, error), "options", options_json(e), "sources", sources_json(e),
-        "reads_settings", (int)(e->read_settings != NULL), "reads_pairs",
-        (int)(e->read_pair != NULL), "gives_contact_problems",
-        (int)gives_contact_problems(e, answer), "binary", hash, "stamp", stamp);
+        "residual_unit", text(e->residual_unit), "runtime", text(e->runtime), "capabilities",
+        (json_int_t)e->capabilities, "contacts", (json_int_t)e->contacts, "precision",
+        (int)e->precision, "integrator", (int)e->integrator, "gyroscopic", (int)e->gyroscopic,
+        "substeps", e->substeps, "profiles", profiles_json(e, answer, error), "options",
+        options_json(e), "sources", sources_json(e), "reads_settings",
+        (int)(e->read_settings != NULL), "reads_pairs", (int)(e->read_pair != NULL),
+        "gives_contact_problems", (int)gives_contact_problems(e, answer), "binary", hash, "stamp",
+        stamp);
     report_stage(answer, "while it was unloaded");
     pl_unload_engine(&loaded);
     if (*description != NULL) {
         return PL_OK;
     }
     const pl_error cause = *error;
-    return cause.status == PL_OK
-               ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-               : pl_fail(error, cause.status, "%s: %s",
-                         job->path == NULL ? job->built_in->name : job->path, cause.message);
+    return cause.status == PL_OK ? pl_fail(error, PL_NO_MEMORY, "out of memory")
+                                 : pl_fail(error, cause.status, "%s: %s", job->spec, cause.message);
 }
 
 static void describe_and_answer(void *user, FILE *answer)
@@ -302,6 +298,7 @@ static bool read_description(known_info *known)
     info->version = required_text(d, "version");
     info->description = required_text(d, "description");
     info->residual_unit = text_of(d, "residual_unit");
+    info->runtime = text_of(d, "runtime");
     info->capabilities = (uint32_t)whole_of(d, "capabilities");
     info->contacts = (uint32_t)whole_of(d, "contacts");
     info->precision = (pl_precision)whole_of(d, "precision");
@@ -321,8 +318,8 @@ static bool read_description(known_info *known)
     return complete && info->name[0] != '\0' && strlen(info->name) < PL_NAME_SIZE;
 }
 
-/* The name by which an engine goes that could not say its own: the base name of its file, where
- * characters that separate the parts of a SPEC become '_'. */
+/* The name by which an engine goes that could not say its own: the base name of its file, or the end
+ * of its command, where characters that separate the parts of a SPEC become '_'. */
 static const char *name_of_file(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -344,7 +341,9 @@ static void note_fault(known_info *known, const pl_process *process, const char 
     static const pl_engine_profile only[] = {{.name = "default", .help = ""}};
     pl_engine_info *info = &known->info;
     info->fault = (pl_engine_fault){.is_fault = true, .timed_out = process->timed_out};
-    info->name = info->path == NULL ? info->built_in->name : name_of_file(info->path);
+    info->name = info->built_in != NULL
+                     ? info->built_in->name
+                     : name_of_file(info->path != NULL ? info->path : info->command);
     info->version = "unknown";
     info->description = "";
     info->profiles = only;
@@ -397,11 +396,10 @@ static void split_answer(const pl_process *process, char place[160], json_t **de
 
 static pl_status ask(known_info *known, pl_error *error)
 {
-    description_job job = {known->info.path, known->info.built_in};
     pl_process process;
     char place[160];
     pl_status status =
-        pl_process_start(&process, &describe_limits, describe_and_answer, &job, error);
+        pl_process_start(&process, &describe_limits, describe_and_answer, &known->info, error);
     if (status == PL_OK) {
         status = pl_process_wait(&process, error);
     }
@@ -428,42 +426,50 @@ static bool is_same(const char *a, const char *b)
     return a == NULL || b == NULL ? a == b : strcmp(a, b) == 0;
 }
 
-pl_status pl_engine_describe(const char *path, const pl_built_in *built_in,
+pl_engine_origin pl_engine_origin_of(const pl_engine_info *info)
+{
+    return (pl_engine_origin){.path = info->path,
+                              .command = info->command,
+                              .entry = info->built_in == NULL ? NULL : info->built_in->entry};
+}
+
+pl_status pl_engine_describe(const char *path, const char *command, const pl_built_in *built_in,
                              const pl_engine_info **info, pl_error *error)
 {
     static known_info *first; /* they live until the program ends */
     for (known_info *known = first; known != NULL; known = known->next) {
-        if (known->info.built_in == built_in && is_same(known->info.path, path)) {
+        if (known->info.built_in == built_in && is_same(known->info.path, path) &&
+            is_same(known->info.command, command)) {
             *info = &known->info;
             return PL_OK;
         }
     }
     known_info *known = calloc(1, sizeof *known);
-    char *own_path = path == NULL ? NULL : strdup(path);
-    if (known == NULL || (path != NULL && own_path == NULL)) {
+    char *spec = NULL;
+    if (known == NULL || asprintf(&spec, "%s%s", command != NULL && built_in == NULL ? "exec:" : "",
+                                  built_in != NULL ? built_in->name
+                                  : path != NULL   ? path
+                                                   : command) < 0) {
         free(known);
-        free(own_path);
         return pl_fail(error, PL_NO_MEMORY, "out of memory for an engine");
     }
-    known->info.path = own_path;
+    known->info.spec = spec;
+    known->info.path = path == NULL ? NULL : spec;
     known->info.built_in = built_in;
+    known->info.command = command == NULL ? NULL : strdup(command);
     pl_status status = ask(known, error);
     if (status != PL_OK) {
         json_decref(known->description);
         free(known->defaults);
+        free((char *)known->info.command);
         free(known);
-        free(own_path);
+        free(spec);
         return status;
     }
     known->next = first;
     first = known;
     *info = &known->info;
     return PL_OK;
-}
-
-const char *pl_engine_spec_name(const pl_engine_info *info)
-{
-    return info->path == NULL ? info->name : info->path;
 }
 
 int pl_engine_option_index(const pl_engine_info *info, const char *name)

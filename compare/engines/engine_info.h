@@ -4,6 +4,7 @@
 #define PLUMB_ENGINE_INFO_H
 
 #include "adapters/built_in.h"
+#include "load_engine.h"
 #include "plumb/engine_abi.h"
 #include "plumb/scene.h"
 #include "process.h"
@@ -33,26 +34,33 @@ typedef struct pl_engine_info {
     bool reads_settings;         /* it reads back masses, gravity and the step */
     bool reads_pairs;            /* it reads back friction and restitution */
     bool gives_contact_problems; /* contact_problems.h */
-    char binary[17];  /* hash of its binary: pl_binary_hash; of a faulty one, the file's */
-    char stamp[17];   /* pl_binary_stamp of a shared object */
-    const char *path; /* of the shared object; NULL: built in */
-    const pl_built_in *built_in; /* NULL: loaded */
-    pl_engine_fault fault;       /* only name, version, one profile and this have a meaning */
+    char binary[17];     /* hash of its binary: pl_binary_hash; of a faulty one, the file's */
+    char stamp[17];      /* pl_binary_stamp of a shared object */
+    const char *runtime; /* what runs its code; NULL: it is native */
+    const char *path;    /* of the shared object; NULL: it is none */
+    const char *command; /* of the program; NULL: it is none */
+    const pl_built_in *built_in; /* NULL: the user's own */
+    const char *spec;      /* how --engine names it: by name, path, or "exec:" and the command */
+    pl_engine_fault fault; /* only name, version, one profile and this have a meaning */
 } pl_engine_info;
 
 /* Limits how long an engine may take to describe itself, and how much memory it may have: those of
  * a run, but at least 1 s and at most 30 s, which is the limit where this is not called. */
 void pl_engine_describe_within(const pl_limits *limits);
 
-/* Starts a process that loads the shared object at `path`, or takes the built-in engine where that
- * is NULL, and reports what it is. The result lives until the program ends, and is the same
- * pointer for the same path. A crash, an exit, a hang or a damaged report becomes info->fault, and
- * the status is PL_OK. PL_BAD_INPUT: it is no engine of this ABI. PL_IO, PL_NO_MEMORY. */
-pl_status pl_engine_describe(const char *path, const pl_built_in *built_in,
+/* Starts a process that loads the engine and reports what it is: the shared object at `path`, the
+ * program of `command`, or the built-in engine; the others are NULL. The result lives until the
+ * program ends, and is the same pointer for the same engine. A crash, an exit, a hang or a damaged
+ * report becomes info->fault, and the status is PL_OK. PL_BAD_INPUT: it is no engine of this ABI, or
+ * of this protocol. PL_IO, PL_NO_MEMORY. */
+pl_status pl_engine_describe(const char *path, const char *command, const pl_built_in *built_in,
                              const pl_engine_info **info, pl_error *error);
 
-/* How --engine names the engine: by the path of the shared object, or by the name. */
-const char *pl_engine_spec_name(const pl_engine_info *info);
+/* What pl_load_engine loads. */
+pl_engine_origin pl_engine_origin_of(const pl_engine_info *info);
+
+/* Size of a SPEC, with its terminating zero. */
+enum { PL_SPEC_SIZE = 1024 };
 
 /* The index of the engine's option of that name; -1 when it has none. */
 int pl_engine_option_index(const pl_engine_info *info, const char *name);

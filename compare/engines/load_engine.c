@@ -1,5 +1,6 @@
 #include "load_engine.h"
 
+#include "adapters/process/adapter_process.h"
 #include "base/hash.h"
 #include "base/sanitizer.h"
 #include "float_environment.h"
@@ -230,12 +231,22 @@ static pl_status take_table(const char *path, const pl_engine *engine, pl_engine
  * another build is linked to this program uses its own. The address sanitizer does not allow it. */
 enum { LOAD_FLAGS = RTLD_NOW | RTLD_LOCAL | (PL_ADDRESS_SANITIZER ? 0 : RTLD_DEEPBIND) };
 
-static pl_status load(const char *path, pl_engine_entry entry, pl_loaded_engine *loaded,
-                      pl_error *error)
+static pl_status load_program(const char *command, pl_loaded_engine *loaded, pl_error *error)
 {
-    if (path == NULL) {
-        return take_table("built-in engine", entry(), &loaded->table, error);
+    pl_engine table;
+    char label[200];
+    pl_error cause = {.message = ""};
+    snprintf(label, sizeof label, "exec:%.180s", command);
+    const pl_status status = pl_process_engine_open(command, &table, &cause);
+    if (status != PL_OK) {
+        return pl_fail(error, status, "%s: %s", label, cause.message);
     }
+    loaded->is_program = true;
+    return take_table(label, &table, &loaded->table, error);
+}
+
+static pl_status load_library(const char *path, pl_loaded_engine *loaded, pl_error *error)
+{
     /* Absolute: dlopen looks for a bare name in the system's folders, and a constructor may change
      * the folder before the binary is hashed. */
     char absolute[PATH_MAX];
@@ -255,12 +266,15 @@ static pl_status load(const char *path, pl_engine_entry entry, pl_loaded_engine 
                : take_table(path, symbol.function(), &loaded->table, error);
 }
 
-pl_status pl_load_engine(const char *path, pl_engine_entry entry, pl_loaded_engine *loaded,
-                         pl_error *error)
+pl_status pl_load_engine(const pl_engine_origin *origin, pl_loaded_engine *loaded, pl_error *error)
 {
     *loaded = (pl_loaded_engine){.library = NULL};
     const pl_float_environment environment = pl_float_environment_save();
-    pl_status status = load(path, entry, loaded, error);
+    const pl_status status =
+        origin->path != NULL ? load_library(origin->path, loaded, error)
+        : origin->command != NULL
+            ? load_program(origin->command, loaded, error)
+            : take_table("built-in engine", origin->entry(), &loaded->table, error);
     loaded->changed_modes = pl_float_environment_restore(&environment);
     if (status != PL_OK) {
         pl_unload_engine(loaded);
@@ -273,6 +287,9 @@ void pl_unload_engine(pl_loaded_engine *loaded)
     const pl_float_environment environment = pl_float_environment_save();
     if (loaded->library != NULL) {
         dlclose(loaded->library);
+    }
+    if (loaded->is_program) {
+        pl_process_engine_close();
     }
     pl_float_environment_restore(&environment);
     *loaded = (pl_loaded_engine){.library = NULL};
@@ -381,6 +398,20 @@ pl_status pl_binary_hash(int first, const char *libraries, char hash[17], pl_err
 {
     hashing h = {.first = first, .libraries = libraries, .add = add_contents};
     return hash_mapped(&h, hash, error);
+}
+
+pl_status pl_program_hash(char hash[17], pl_error *error)
+{
+    uint64_t value = PL_HASH_START;
+    const char *path;
+    for (int i = 0; (path = pl_process_engine_file(i)) != NULL; ++i) {
+        const int fault = add_contents(path, &value);
+        if (fault != 0) {
+            return pl_fail(error, PL_IO, "cannot read %s: %s", path, strerror(fault));
+        }
+    }
+    pl_hash_hex(value, hash);
+    return PL_OK;
 }
 
 pl_status pl_binary_stamp(int first, char stamp[17], pl_error *error)

@@ -6,21 +6,29 @@
 #include "plumb/engine_abi.h"
 #include "plumb/scene.h"
 
+/* Where an engine comes from: one of these is not NULL. */
+typedef struct pl_engine_origin {
+    const char *path;      /* of a shared object */
+    const char *command;   /* of a program that speaks plumb.engine/1 */
+    pl_engine_entry entry; /* of an engine that is linked to this program */
+} pl_engine_origin;
+
 /* A loaded engine. */
 typedef struct pl_loaded_engine {
     pl_engine table;        /* complete: what a shorter table lacks is NULL or 0 */
-    void *library;          /* of dlopen; NULL for a built-in engine */
+    void *library;          /* of dlopen; NULL for the others */
+    bool is_program;        /* adapters/process/adapter_process.h */
     unsigned changed_modes; /* PL_MODE_*: the floating-point modes that loading left changed */
 } pl_loaded_engine;
 
-/* Loads the shared object at `path`, or, where that is NULL, the built-in engine of `entry`. This and
- * pl_unload_engine restore the floating-point environment.
+/* Loads the shared object, or starts the program. This and pl_unload_engine restore the
+ * floating-point environment.
  * PL_BAD_INPUT: it cannot be loaded, exports no engine, has another ABI version, or its table is
- * not valid; the message names the field. */
-pl_status pl_load_engine(const char *path, pl_engine_entry entry, pl_loaded_engine *loaded,
-                         pl_error *error);
+ * not valid; the message names the field. PL_FAILED: the program ended, or does not speak the
+ * protocol. */
+pl_status pl_load_engine(const pl_engine_origin *origin, pl_loaded_engine *loaded, pl_error *error);
 
-/* Unloads the shared object, if there is one. */
+/* Unloads the shared object or ends the program, if there is one. */
 void pl_unload_engine(pl_loaded_engine *loaded);
 
 /* The number of files whose code this process has mapped: the program and its shared libraries. */
@@ -30,6 +38,9 @@ int pl_mapped_file_count(void);
  * or later. Where `libraries` is not NULL, hashes this program and the mapped files whose base
  * names begin with one of `libraries`, separated by blanks. PL_IO. */
 pl_status pl_binary_hash(int first, const char *libraries, char hash[17], pl_error *error);
+
+/* Hashes the contents of the files of the program that is loaded (pl_process_engine_file). PL_IO. */
+pl_status pl_program_hash(char hash[17], pl_error *error);
 
 /* Hashes what identifies these files without reading them: their inodes, sizes and times of
  * change. The same stamp means the same contents. PL_IO. */

@@ -28,7 +28,8 @@ double pl_monotonic_seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* The shadow of an address sanitizer is larger than any limit. */
+/* The limit is on writable memory: interpreters reserve far more addresses than they use. The shadow of
+ * an address sanitizer is larger than any limit. */
 static const bool can_limit_memory = !PL_ADDRESS_SANITIZER;
 
 static void limit_resources(const pl_limits *limits)
@@ -37,7 +38,7 @@ static void limit_resources(const pl_limits *limits)
     const struct rlimit memory = {limits->memory, limits->memory};
     setrlimit(RLIMIT_CORE, &none);
     if (can_limit_memory && limits->memory != 0) {
-        setrlimit(RLIMIT_AS, &memory);
+        setrlimit(RLIMIT_DATA, &memory);
     }
 }
 

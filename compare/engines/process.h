@@ -27,7 +27,7 @@ enum { PL_OUTPUT_TAIL = 2000, PL_PROCESS_POLLS = 3 };
 typedef struct pl_limits {
     double timeout;  /* s of wall time, > 0 */
     double cpu_time; /* s of CPU time of an engine's own calls (run_once.h); 0: no limit */
-    uint64_t memory; /* bytes of address space; 0: no limit */
+    uint64_t memory; /* bytes that the process may have of its own; 0: no limit */
 } pl_limits;
 
 /* A child process. */

@@ -6,11 +6,53 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_KNOWN = 16 };
+enum { MOST_KNOWN = 24 };
+
+/* How the SPEC of a program begins. */
+static const char EXEC[] = "exec:";
+
+static bool is_program(const char *spec)
+{
+    return strncmp(spec, EXEC, strlen(EXEC)) == 0;
+}
+
+/* Length of a profile's or an option's name at `text`. */
+static size_t word_length(const char *text)
+{
+    return strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-");
+}
+
+/* Whether `text` is [:PROFILE][,OPTION=VALUE]... to its end. */
+static bool is_choice(const char *text)
+{
+    if (*text == ':') {
+        const size_t length = word_length(text + 1);
+        if (length == 0) {
+            return false;
+        }
+        text += 1 + length;
+    }
+    while (*text == ',') {
+        const size_t length = word_length(text + 1);
+        if (length == 0 || text[1 + length] != '=') {
+            return false;
+        }
+        text += 1 + length;
+        text += strcspn(text, ",");
+    }
+    return *text == '\0';
+}
 
 /* Length of the name at the head of a spec. A path may hold ':' and ',' up to its ".so". */
 static size_t name_length(const char *spec)
 {
+    if (is_program(spec)) {
+        size_t length = strlen(EXEC);
+        while (!is_choice(spec + length)) {
+            ++length;
+        }
+        return length;
+    }
     for (const char *at = strstr(spec, ".so"); at != NULL; at = strstr(at + 1, ".so")) {
         if (at[3] == '\0' || at[3] == ':' || at[3] == ',') {
             return (size_t)(at - spec) + 3;
@@ -47,12 +89,18 @@ static pl_status fail_unknown(pl_error *error, const char *what, const char *wor
 pl_status pl_engine_of_build(const pl_built_in *built_in, const pl_engine_info **info,
                              pl_error *error)
 {
-    if (built_in->entry == NULL) {
-        return pl_fail(error, PL_UNSUPPORTED,
-                       "engine %s is not in this build: install %s and build again", built_in->name,
-                       built_in->package);
+    char command[4200];
+    const bool is_script = pl_built_in_command(built_in, command, sizeof command);
+    if (!pl_built_in_is_present(built_in)) {
+        return is_script
+                   ? pl_fail(error, PL_UNSUPPORTED,
+                             "engine %s is not installed: ./compare/run --with %s gets it from npm",
+                             built_in->name, built_in->name)
+                   : pl_fail(error, PL_UNSUPPORTED,
+                             "engine %s is not in this build: install %s and build again",
+                             built_in->name, built_in->package);
     }
-    return pl_engine_describe(NULL, built_in, info, error);
+    return pl_engine_describe(NULL, is_script ? command : NULL, built_in, info, error);
 }
 
 static pl_status find_built_in(const char *name, const pl_engine_info **engine, pl_error *error)
@@ -203,8 +251,10 @@ pl_status pl_engine_choose(const char *spec, pl_engine_choice *choice, pl_error 
     memcpy(text, spec, length + 1);
     char *rest = text + name_length(text);
     char separator = cut(&rest, ":,");
-    pl_status status = is_path(text) ? pl_engine_describe(text, NULL, &made.engine, error)
-                                     : find_built_in(text, &made.engine, error);
+    pl_status status =
+        is_program(text) ? pl_engine_describe(NULL, text + strlen(EXEC), NULL, &made.engine, error)
+        : is_path(text)  ? pl_engine_describe(text, NULL, NULL, &made.engine, error)
+                         : find_built_in(text, &made.engine, error);
     if (status != PL_OK) {
         return status;
     }

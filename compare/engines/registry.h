@@ -13,23 +13,24 @@ typedef struct pl_engine_choice {
     const pl_engine_info *engine; /* valid until the program ends */
     int profile;
     double values[PL_ENGINE_MAX_OPTIONS]; /* (engine->option_count) */
-    char spec[256];                       /* as the user wrote it */
+    char spec[PL_SPEC_SIZE];              /* as the user wrote it */
     char label[PL_LABEL_SIZE];            /* label=; "": none was given */
 } pl_engine_choice;
 
-/* Describes a built-in engine. PL_UNSUPPORTED when it is absent from this build, with its Debian
- * package; and as pl_engine_describe. */
+/* Describes a built-in engine. PL_UNSUPPORTED when it is absent, with how to get it; and as
+ * pl_engine_describe. */
 pl_status pl_engine_of_build(const pl_built_in *built_in, const pl_engine_info **info,
                              pl_error *error);
 
-/* Parses `name[:profile][,option=value]...[,label=TEXT]`, where name is a built-in engine or the
- * path of a shared object (it has a '/' or ends in ".so"). The default profile is the engine's
+/* Parses `name[:profile][,option=value]...[,label=TEXT]`, where name is a built-in engine, the path
+ * of a shared object (it has a '/' or ends in ".so"), or "exec:" and the command of a program that
+ * speaks plumb.engine/1, which ends where the rest is a profile and options. The default profile is the engine's
  * first. A profile that the engine does not have itself is looked up in the files that
  * PLUMB_PROFILES names and in those that come with Plumb. An engine with a fault
  * (pl_engine_info.fault) is chosen too; its profile and
  * options are then not checked. PL_BAD_INPUT: an unknown name, profile or option (the nearest one
  * is suggested), a value out of range, a shared object of another ABI, or a file that is no
- * plumb.profile/1. PL_UNSUPPORTED: an engine that this build lacks, with its Debian package. PL_IO:
+ * plumb.profile/1. PL_UNSUPPORTED: an engine that is absent, with how to get it. PL_IO:
  * a file cannot be read. */
 pl_status pl_engine_choose(const char *spec, pl_engine_choice *choice, pl_error *error);
 

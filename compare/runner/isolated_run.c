@@ -129,17 +129,26 @@ static bool was_reported(const pl_isolated_run *run)
     return atomic_load(&run->def.watch->stage) == PL_STAGE_REPORT;
 }
 
+/* CPU time that a process has used, s; 0: there is none. */
+static double cpu_time_of(pid_t pid)
+{
+    clockid_t clock;
+    struct timespec used;
+    if (pid <= 0 || clock_getcpuclockid(pid, &clock) != 0 || clock_gettime(clock, &used) != 0) {
+        return 0;
+    }
+    return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
+}
+
 void pl_isolated_run_look(pl_isolated_run *run)
 {
     const int stage = atomic_load(&run->def.watch->stage);
     const long step = atomic_load(&run->def.watch->steps_done);
-    clockid_t clock;
-    struct timespec used;
-    if (!(run->limits.cpu_time > 0) || clock_getcpuclockid(run->process.pid, &clock) != 0 ||
-        clock_gettime(clock, &used) != 0) {
+    if (!(run->limits.cpu_time > 0)) {
         return;
     }
-    const double cpu_time = (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
+    const double cpu_time =
+        cpu_time_of(run->process.pid) + cpu_time_of(atomic_load(&run->def.watch->program));
     const bool is_limited =
         stage == PL_STAGE_CREATE || stage == PL_STAGE_STEP || stage == PL_STAGE_READ;
     if (!is_limited || stage != run->call || step != run->call_step) {

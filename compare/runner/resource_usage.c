@@ -109,12 +109,24 @@ pl_call_cost pl_call_timer_end(pl_call_timer *timer)
 
 /* ---- Memory ---- */
 
-/* A line "NAME:   1234 kB" of /proc/self/status in bytes. `name` ends with the colon. */
-static double read_status(const char *name)
+/* Opens a file of a process in /proc; 0: this process. */
+static FILE *open_proc(pid_t pid, const char *name, const char *mode)
+{
+    char path[64];
+    if (pid > 0) {
+        snprintf(path, sizeof path, "/proc/%d/%s", (int)pid, name);
+    } else {
+        snprintf(path, sizeof path, "/proc/self/%s", name);
+    }
+    return fopen(path, mode);
+}
+
+/* A line "NAME:   1234 kB" of a process's status in bytes. `name` ends with the colon. */
+static double read_status(pid_t pid, const char *name)
 {
     char line[256];
     double bytes = NAN;
-    FILE *file = fopen("/proc/self/status", "re");
+    FILE *file = open_proc(pid, "status", "re");
     if (file == NULL) {
         return bytes;
     }
@@ -148,22 +160,22 @@ static void load_code(void)
     }
 }
 
-double pl_resident_set_baseline(void)
+double pl_resident_set_baseline(pid_t pid)
 {
     load_code();
     /* Freed heap that is still resident would hide what an engine takes. */
     malloc_trim(0);
-    FILE *file = fopen("/proc/self/clear_refs", "we");
+    FILE *file = open_proc(pid, "clear_refs", "we");
     if (file == NULL) {
         return NAN;
     }
     bool reset = fputs("5", file) >= 0;
     reset = fclose(file) == 0 && reset;
-    return reset ? read_status("VmRSS:") : (double)NAN;
+    return reset ? read_status(pid, "VmRSS:") : (double)NAN;
 }
 
-double pl_resident_set_growth(double baseline)
+double pl_resident_set_growth(pid_t pid, double baseline)
 {
-    double peak = read_status("VmHWM:");
+    double peak = read_status(pid, "VmHWM:");
     return peak < baseline ? 0 : peak - baseline;
 }

@@ -3,6 +3,7 @@
 #define PLUMB_RESOURCE_USAGE_H
 
 #include <stdint.h>
+#include <sys/types.h>
 
 /* What a call to an engine costs. */
 typedef struct pl_call_cost {
@@ -34,13 +35,13 @@ void pl_call_timer_begin(pl_call_timer *timer);
 /* Called after the call. */
 pl_call_cost pl_call_timer_end(pl_call_timer *timer);
 
-/* Prepares a measurement of memory (proc(5): clear_refs, status): returns unused heap, loads the
- * code that a run may execute, and resets the peak. Returns the resident set size now, in bytes;
- * NAN where /proc does not have it. */
-double pl_resident_set_baseline(void);
+/* Prepares a measurement of memory (proc(5): clear_refs, status) of a child of this process, or, where
+ * `pid` is 0, of this process: returns unused heap, loads the code that a run may execute, and resets
+ * the peak. Returns the resident set size now, in bytes; NAN where /proc does not have it. */
+double pl_resident_set_baseline(pid_t pid);
 
 /* Bytes by which the peak resident set size since then is above `baseline`; NAN where it is not
  * known. */
-double pl_resident_set_growth(double baseline);
+double pl_resident_set_growth(pid_t pid, double baseline);
 
 #endif

@@ -177,6 +177,7 @@ static bool load(run *r, pl_run_result *result)
     if (status != PL_OK) {
         set_failure(result, status, &fault);
     }
+    atomic_store(&r->def->watch->program, pl_process_engine_pid());
     return status == PL_OK;
 }
 
@@ -367,7 +368,8 @@ pl_status pl_run_once(const pl_run_def *def,
     }
     r.session.timer = pl_call_timer_open();
     bool going = load(&r, &result);
-    double baseline = pl_resident_set_baseline();
+    const pid_t measured = pl_process_engine_pid(); /* 0: this process */
+    double baseline = pl_resident_set_baseline(measured);
     if (going) {
         status = begin(&r, &result, &going, error);
     }
@@ -377,7 +379,7 @@ pl_status pl_run_once(const pl_run_def *def,
         status = make_step(&r, &result, &going, error);
     }
     if (status == PL_OK && started) {
-        judge(&r, pl_resident_set_growth(baseline), &result);
+        judge(&r, pl_resident_set_growth(measured, baseline), &result);
     }
     pl_session_end(&r.session);
     if (status == PL_OK) {

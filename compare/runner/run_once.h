@@ -14,6 +14,7 @@
 typedef struct pl_run_watch {
     _Atomic(int) stage; /* pl_stage */
     atomic_long steps_done;
+    _Atomic(int) program; /* process of an engine that is a program; 0: there is none */
 } pl_run_watch;
 
 /* The capture of the contact problems of one step during a run. */

@@ -52,11 +52,28 @@ static void before_call(pl_session *session, pl_stage stage)
     pl_call_timer_begin(&session->timer);
 }
 
+/* The cost of a call to a program: of a step what the program reports, and of another call what the
+ * operating system counted for it. The rest of a step, which hands over the state, counts as reading. */
+static pl_call_cost cost_of_program(pl_session *session, pl_call_group group, pl_call_cost own)
+{
+    const pl_process_engine_time now = pl_process_engine_times();
+    const double all = own.cpu_time + fmax(0, now.all - session->program_time.all);
+    const double step = now.steps - session->program_time.steps;
+    own.cpu_time = group == PL_CALLS_STEP ? step : all;
+    own.instructions = NAN;
+    session->cost[PL_CALLS_READ].cpu_time += group == PL_CALLS_STEP ? fmax(0, all - step) : 0;
+    session->program_time = now;
+    return own;
+}
+
 /* Adds the cost of the call to its group and returns it. */
 static pl_call_cost after_call(pl_session *session, pl_call_group group)
 {
-    const pl_call_cost cost = pl_call_timer_end(&session->timer);
+    pl_call_cost cost = pl_call_timer_end(&session->timer);
     note_modes(session, session->stage, pl_float_environment_restore(&session->environment));
+    if (session->loaded.is_program) {
+        cost = cost_of_program(session, group, cost);
+    }
     session->cost[group].cpu_time += cost.cpu_time;
     session->cost[group].wall_time += cost.wall_time;
     session->cost[group].instructions += cost.instructions;
@@ -85,9 +102,10 @@ pl_status pl_session_load(pl_session *session, pl_error *error)
     const int mapped = pl_mapped_file_count();
     pl_error fault = {.message = ""};
     enter(session, PL_STAGE_LOAD);
-    pl_status status = pl_load_engine(info->path, info->path == NULL ? info->built_in->entry : NULL,
-                                      &session->loaded, &fault);
+    const pl_engine_origin origin = pl_engine_origin_of(info);
+    pl_status status = pl_load_engine(&origin, &session->loaded, &fault);
     note_modes(session, PL_STAGE_LOAD, session->loaded.changed_modes);
+    session->program_time = pl_process_engine_times();
     if (status != PL_OK) {
         return pl_fail(error, status == PL_BAD_INPUT ? PL_FAILED : status, "%s", fault.message);
     }

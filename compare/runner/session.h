@@ -4,6 +4,7 @@
 #ifndef PLUMB_SESSION_H
 #define PLUMB_SESSION_H
 
+#include "adapters/process/adapter_process.h"
 #include "engines/float_environment.h"
 #include "engines/load_engine.h"
 #include "engines/registry.h"
@@ -53,6 +54,7 @@ typedef struct pl_session {
     pl_float_environment environment; /* before it, restored after it */
     pl_mode_change mode_change;       /* what the restoring has undone */
     pl_call_timer timer;
+    pl_process_engine_time program_time; /* of an engine that is a program, after the last call */
     pl_call_cost cost[PL_CALL_GROUP_COUNT]; /* sums over the calls of each group */
     /* Told at the beginning of each stage; NULL: nobody. */
     void (*enter)(void *user, pl_stage stage);

@@ -243,9 +243,9 @@ static void measure_growth(void *user, FILE *answer)
     size_t bytes = *(size_t *)user;
     /* Memory that was used and freed before neither counts nor hides memory that is taken later. */
     use_heap(2 * bytes);
-    double baseline = pl_resident_set_baseline();
+    double baseline = pl_resident_set_baseline(0);
     use_heap(bytes);
-    fprintf(answer, "%.17g", pl_resident_set_growth(baseline));
+    fprintf(answer, "%.17g", pl_resident_set_growth(0, baseline));
 }
 
 static void test_resident_set_growth_is_the_touched_peak(void **state)

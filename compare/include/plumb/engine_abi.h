@@ -306,6 +306,8 @@ typedef struct pl_engine {
 
     const pl_engine_source *sources; /* (source_count); NULL: none */
     int source_count;                /* at most PL_ENGINE_MAX_SOURCES */
+    const char *runtime; /* what runs the engine's code, such as "webassembly". NULL: it is native.
+                            The times of others are not ranked with those of native engines */
 } pl_engine;
 
 /* The type of the symbol that a shared object exports: returns its engine, valid for as long as the

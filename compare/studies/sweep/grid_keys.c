@@ -166,7 +166,7 @@ static bool is_absent_engine(const char *name)
     const pl_built_in *known = pl_built_in_engines(&count);
     for (int i = 0; i < count; ++i) {
         if (strcmp(known[i].name, name) == 0) {
-            return known[i].entry == NULL;
+            return !pl_built_in_is_present(&known[i]);
         }
     }
     return false;

@@ -183,7 +183,7 @@ pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_r
 static void log_evaluation(const pl_tuner *t, const pl_setting *setting,
                            const pl_evaluation *evaluation)
 {
-    char spec[256], step[32] = "";
+    char spec[PL_SPEC_SIZE], step[32] = "";
     if (!t->shows || t->bar.terminal) {
         return;
     }

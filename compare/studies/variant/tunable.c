@@ -30,20 +30,20 @@ pl_engine_choice pl_tune_defaults(const pl_engine_choice *choice)
     pl_engine_choice defaults = {.engine = engine, .profile = choice->profile};
     memcpy(defaults.values, pl_engine_profile_values(engine, choice->profile),
            (size_t)engine->option_count * sizeof *defaults.values);
-    snprintf(defaults.spec, sizeof defaults.spec, "%s:%s", pl_engine_spec_name(engine),
+    snprintf(defaults.spec, sizeof defaults.spec, "%s:%s", engine->spec,
              engine->profiles[choice->profile].name);
     return defaults;
 }
 
-void pl_tune_spec(const pl_engine_choice *choice, char spec[256])
+void pl_tune_spec(const pl_engine_choice *choice, char spec[PL_SPEC_SIZE])
 {
     const pl_engine_choice defaults = pl_tune_defaults(choice);
     const pl_engine_info *engine = choice->engine;
-    int used = snprintf(spec, 256, "%s", defaults.spec);
+    int used = snprintf(spec, PL_SPEC_SIZE, "%s", defaults.spec);
     for (int i = 0; i < engine->option_count && used < 256; ++i) {
         if (choice->values[i] != defaults.values[i]) {
-            used += snprintf(spec + used, 256 - (size_t)used, ",%s=%.15g", engine->options[i].name,
-                             choice->values[i]);
+            used += snprintf(spec + used, PL_SPEC_SIZE - (size_t)used, ",%s=%.15g",
+                             engine->options[i].name, choice->values[i]);
         }
     }
 }

@@ -22,7 +22,7 @@ pl_engine_choice pl_tune_defaults(const pl_engine_choice *choice);
 
 /* "name:profile,option=value...", with each option that differs from the profile's default; the
  * name is the path of a loaded engine. */
-void pl_tune_spec(const pl_engine_choice *choice, char spec[256]);
+void pl_tune_spec(const pl_engine_choice *choice, char spec[PL_SPEC_SIZE]);
 
 /* Whether pl_tune_print_api prints anything. */
 bool pl_tune_has_api(const pl_engine_choice *choice, double dt);

@@ -1,0 +1,352 @@
+#include "channel.h"
+
+#include "base/json_field.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/pidfd.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+/* The longest answer, and how long a program has to end by itself. */
+enum { MOST_ANSWER = 256 << 20, CHUNK = 1 << 16, PATIENCE_MS = 1000 };
+
+/* The descriptor of the file of numbers in the program. */
+enum { NUMBERS = STDERR_FILENO + 1 };
+
+/* The exit codes of a shell that cannot run a command. */
+enum { EXIT_NOT_EXECUTABLE = 126, EXIT_NOT_FOUND = 127 };
+
+/* ---- Start and end ---- */
+
+static void close_end(int *descriptor)
+{
+    if (*descriptor >= 0) {
+        close(*descriptor);
+        *descriptor = -1;
+    }
+}
+
+static _Noreturn void run_program(const char *command, pid_t parent, int input, int output,
+                                  int numbers)
+{
+    char *text = NULL;
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    signal(SIGPIPE, SIG_DFL);
+    if (getppid() != parent || asprintf(&text, "exec %s", command) < 0 ||
+        dup2(input, STDIN_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0 ||
+        (numbers != NUMBERS ? dup2(numbers, NUMBERS) : fcntl(NUMBERS, F_SETFD, 0)) < 0) {
+        _exit(EXIT_NOT_EXECUTABLE);
+    }
+    execl("/bin/sh", "sh", "-c", text, (char *)NULL);
+    _exit(EXIT_NOT_EXECUTABLE);
+}
+
+pl_status pl_channel_open(pl_channel *channel, const char *command, pl_error *error)
+{
+    int input[2] = {-1, -1}, output[2] = {-1, -1};
+    *channel = (pl_channel){.handle = -1, .input = -1, .output = -1};
+    channel->numbers = memfd_create("numbers", MFD_CLOEXEC);
+    const bool has_pipes = pipe2(input, O_CLOEXEC) == 0 && pipe2(output, O_CLOEXEC) == 0;
+    if (channel->numbers >= 0 && has_pipes) {
+        /* A program that has ended must not end this one. */
+        signal(SIGPIPE, SIG_IGN);
+        fflush(NULL);
+        const pid_t parent = getpid();
+        const pid_t pid = fork();
+        if (pid == 0) {
+            run_program(command, parent, input[0], output[1], channel->numbers);
+        }
+        channel->pid = pid > 0 ? pid : 0;
+        channel->handle = pid > 0 ? pidfd_open(pid, 0) : -1;
+    }
+    const int cause = errno;
+    channel->input = input[1];
+    channel->output = output[0];
+    close_end(&input[0]);
+    close_end(&output[1]);
+    if (channel->handle < 0) {
+        pl_channel_close(channel);
+        return pl_fail(error, PL_IO, "cannot start \"%s\": %s", command, strerror(cause));
+    }
+    fcntl(channel->input, F_SETFL, O_NONBLOCK);
+    fcntl(channel->output, F_SETFL, O_NONBLOCK);
+    return PL_OK;
+}
+
+/* Waits until the program has ended. False: it has not within that time. */
+static bool has_ended(const pl_channel *channel, int milliseconds)
+{
+    struct pollfd end = {.fd = channel->handle, .events = POLLIN};
+    return poll(&end, 1, milliseconds) > 0;
+}
+
+void pl_channel_close(pl_channel *channel)
+{
+    close_end(&channel->input);
+    close_end(&channel->output);
+    if (channel->pid > 0) {
+        if (channel->handle < 0 || !has_ended(channel, PATIENCE_MS)) {
+            kill(channel->pid, SIGKILL);
+        }
+        waitpid(channel->pid, NULL, 0);
+    }
+    close_end(&channel->handle);
+    close_end(&channel->numbers);
+    pl_text_free(&channel->request);
+    free(channel->text);
+    *channel = (pl_channel){.handle = -1, .input = -1, .output = -1, .numbers = -1};
+}
+
+/* How the program ended that has closed its output. PL_BAD_INPUT: the command names none. */
+static pl_status describe_end(const pl_channel *channel, char *text, size_t size)
+{
+    siginfo_t info = {.si_pid = 0};
+    pl_status status = PL_FAILED;
+    if (!has_ended(channel, PATIENCE_MS) ||
+        waitid(P_PID, (id_t)channel->pid, &info, WEXITED | WNOWAIT) != 0) {
+        snprintf(text, size, "the program closed its standard output");
+    } else if (info.si_code == CLD_EXITED && info.si_status == EXIT_NOT_FOUND) {
+        snprintf(text, size, "the program was not found");
+        status = PL_BAD_INPUT;
+    } else if (info.si_code == CLD_EXITED && info.si_status == EXIT_NOT_EXECUTABLE) {
+        snprintf(text, size, "the program cannot be run");
+    } else if (info.si_code == CLD_EXITED) {
+        snprintf(text, size, "the program called exit(%d)", info.si_status);
+    } else {
+        const char *name = sigabbrev_np(info.si_status);
+        snprintf(text, size, "the program ended by SIG%s", name == NULL ? "?" : name);
+    }
+    return status;
+}
+
+/* ---- Bytes ---- */
+
+/* Reads what is there. False: the program has closed its output, or memory is out. */
+static bool take_output(pl_channel *channel)
+{
+    if (channel->length + CHUNK > channel->capacity) {
+        const size_t capacity = 2 * (channel->length + CHUNK);
+        char *grown = realloc(channel->text, capacity);
+        if (grown == NULL) {
+            return false;
+        }
+        channel->text = grown;
+        channel->capacity = capacity;
+    }
+    const ssize_t length = read(channel->output, channel->text + channel->length, CHUNK);
+    channel->length += length > 0 ? (size_t)length : 0;
+    return length > 0 || (length < 0 && (errno == EAGAIN || errno == EINTR));
+}
+
+/* Writes the request while taking what the program writes, until a whole line is there. *size is
+ * then the length of the line without its end. */
+static pl_status exchange(pl_channel *channel, const char *what, size_t *size, pl_error *error)
+{
+    const pl_text_buffer *request = &channel->request;
+    size_t sent = 0;
+    size_t searched = 0;
+    for (;;) {
+        const char *end = channel->length > searched
+                              ? memchr(channel->text + searched, '\n', channel->length - searched)
+                              : NULL;
+        if (end != NULL) {
+            *size = (size_t)(end - channel->text);
+            return PL_OK;
+        }
+        searched = channel->length;
+        if (searched > MOST_ANSWER) {
+            return pl_fail(error, PL_FAILED, "answer to %s: longer than %d MiB without an end",
+                           what, MOST_ANSWER >> 20);
+        }
+        struct pollfd polls[] = {
+            {.fd = channel->output, .events = POLLIN},
+            {.fd = sent < request->length ? channel->input : -1, .events = POLLOUT},
+        };
+        if (poll(polls, 2, -1) < 0 && errno != EINTR) {
+            return pl_fail(error, PL_IO, "poll: %s", strerror(errno));
+        }
+        if (polls[1].revents != 0) {
+            const ssize_t done =
+                write(channel->input, request->data + sent, request->length - sent);
+            /* A program that reads no more has ended, or answers before it has read all. */
+            sent = done > 0 ? sent + (size_t)done : errno == EPIPE ? request->length : sent;
+        }
+        if (polls[0].revents != 0 && !take_output(channel)) {
+            char how[96];
+            const pl_status status = describe_end(channel, how, sizeof how);
+            return pl_fail(error, status, "%s instead of answering %s%s", how, what,
+                           channel->length > 0 ? ", in the middle of a line" : "");
+        }
+    }
+}
+
+static double cpu_time_of(const pl_channel *channel)
+{
+    clockid_t clock;
+    struct timespec used;
+    if (clock_getcpuclockid(channel->pid, &clock) != 0 || clock_gettime(clock, &used) != 0) {
+        return channel->cpu_time;
+    }
+    return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
+}
+
+/* ---- Requests ---- */
+
+pl_text_buffer *pl_channel_begin(pl_channel *channel, const char *name)
+{
+    channel->id += 1;
+    channel->request.length = 0;
+    pl_text_format(&channel->request, "{\"id\":%ld,\"request\":\"%s\"", channel->id, name);
+    return &channel->request;
+}
+
+/* The answer's own faults: another request's answer, or the program's error. */
+static pl_status check_answer(const pl_channel *channel, const char *what, const json_t *answer,
+                              pl_error *error)
+{
+    const json_t *id = json_object_get(answer, "id");
+    const char *reason = json_string_value(json_object_get(answer, "error"));
+    char found[PL_FOUND_SIZE];
+    if (!json_is_number(id) || json_number_value(id) != (double)channel->id) {
+        return pl_fail(error, PL_FAILED, "answer to %s: id: expected %ld, found %s", what,
+                       channel->id, pl_json_found(id, found));
+    }
+    if (reason == NULL) {
+        return PL_OK;
+    }
+    json_t *plain = pl_json_text(reason, strlen(reason));
+    const bool refused = json_is_true(json_object_get(answer, "unsupported"));
+    const pl_status status = pl_fail(error, refused ? PL_UNSUPPORTED : PL_FAILED, "%s",
+                                     plain == NULL ? "" : json_string_value(plain));
+    json_decref(plain);
+    return status;
+}
+
+static pl_status read_answer(const pl_channel *channel, const char *what, size_t size,
+                             pl_answer_reader read, void *user, pl_error *error)
+{
+    json_error_t syntax;
+    json_t *answer =
+        json_loadb(channel->text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &syntax);
+    if (!json_is_object(answer)) {
+        char begin[PL_QUOTED_SIZE - 20], quoted[PL_QUOTED_SIZE];
+        snprintf(begin, sizeof begin, "%.*s", (int)(size < sizeof begin ? size : sizeof begin - 1),
+                 channel->text);
+        const bool is_value = answer != NULL;
+        json_decref(answer);
+        return pl_fail(error, PL_FAILED,
+                       "answer to %s: expected a JSON object on a line, found %s%s%s", what,
+                       pl_quoted(begin, quoted), is_value ? "" : ": ", is_value ? "" : syntax.text);
+    }
+    pl_diagnostic diagnostic = {.status = PL_OK};
+    pl_status status = check_answer(channel, what, answer, error);
+    if (status == PL_OK && !read(answer, user, &diagnostic)) {
+        char path[256];
+        pl_path_text(&diagnostic.path, "the answer", path, sizeof path);
+        status =
+            pl_fail(error, diagnostic.status, "answer to %s: %s: %s", what, path, diagnostic.text);
+    }
+    json_decref(answer);
+    return status;
+}
+
+pl_status pl_channel_ask(pl_channel *channel, const char *what, pl_answer_reader read, void *user,
+                         pl_error *error)
+{
+    size_t size = 0;
+    pl_error fault = channel->fault;
+    if (fault.status == PL_OK) {
+        pl_text_add(&channel->request, "}\n");
+        if (channel->request.failed) {
+            pl_fail(&fault, PL_NO_MEMORY, "out of memory for a request");
+        } else if (channel->length > 0) {
+            pl_fail(&fault, PL_FAILED,
+                    "before %s: it wrote more than one line as the answer to a request", what);
+        } else if (exchange(channel, what, &size, &fault) == PL_OK) {
+            channel->cpu_time = cpu_time_of(channel);
+            read_answer(channel, what, size, read, user, &fault);
+            channel->length -= size + 1;
+        }
+    }
+    /* A refusal leaves the channel in order. */
+    channel->fault = fault.status == PL_UNSUPPORTED ? channel->fault : fault;
+    return fault.status == PL_OK ? PL_OK : pl_fail(error, fault.status, "%s", fault.message);
+}
+
+/* ---- Numbers ---- */
+
+static bool wrong_numbers(const json_t *found, const char *key, pl_diagnostic *diagnostic)
+{
+    char text[PL_FOUND_SIZE];
+    return pl_diagnose_field(diagnostic, key,
+                             "expected an array of numbers, or {\"offset\", \"count\"} of the file "
+                             "that is descriptor 3, found %s",
+                             pl_json_found(found, text));
+}
+
+bool pl_channel_count(const json_t *answer, const char *key, long *count, pl_diagnostic *diagnostic)
+{
+    const json_t *numbers = json_object_get(answer, key);
+    const double given = json_number_value(json_object_get(numbers, "count"));
+    const bool in_file = json_is_object(numbers) && given >= 0 && given < MOST_ANSWER;
+    *count = numbers == NULL          ? -1
+             : json_is_array(numbers) ? (long)json_array_size(numbers)
+             : in_file                ? (long)given
+                                      : 0;
+    return numbers == NULL || json_is_array(numbers) || in_file ||
+           wrong_numbers(numbers, key, diagnostic);
+}
+
+static bool read_file(const pl_channel *channel, const json_t *part, const char *key,
+                      double *values, long count, pl_diagnostic *diagnostic)
+{
+    const json_t *offset = json_object_get(part, "offset");
+    const double begin = json_number_value(offset);
+    const size_t size = (size_t)count * sizeof *values;
+    size_t done = 0;
+    if (!json_is_number(offset) || !(begin >= 0 && begin < 1e15)) {
+        return wrong_numbers(part, key, diagnostic);
+    }
+    while (done < size) {
+        const ssize_t length =
+            pread(channel->numbers, (char *)values + done, size - done, (off_t)begin + (off_t)done);
+        if (length <= 0) {
+            return pl_diagnose_field(diagnostic, key,
+                                     "expected %ld numbers at byte %.0f of descriptor 3, found %zu",
+                                     count, begin, done / sizeof *values);
+        }
+        done += (size_t)length;
+    }
+    return true;
+}
+
+bool pl_channel_numbers(const pl_channel *channel, const json_t *answer, const char *key,
+                        double *values, long count, pl_diagnostic *diagnostic)
+{
+    const json_t *numbers = json_object_get(answer, key);
+    if (json_is_object(numbers)) {
+        return read_file(channel, numbers, key, values, count, diagnostic);
+    }
+    for (long i = 0; i < count; ++i) {
+        const json_t *number = json_array_get(numbers, (size_t)i);
+        values[i] = json_is_null(number) ? (double)NAN : json_number_value(number);
+        if (!json_is_null(number) && !json_is_number(number)) {
+            char text[PL_FOUND_SIZE];
+            pl_path_push_key(&diagnostic->path, key);
+            pl_path_push_index(&diagnostic->path, (int)i);
+            return pl_diagnose(diagnostic, "expected a number or null, found %s",
+                               pl_json_found(number, text));
+        }
+    }
+    return true;
+}
