@@ -89,8 +89,8 @@ const pl_option pl_limit_options[] = {
      "referee's time does not count (default: none)",
      PL_OPTION_NUMBER, .field = offsetof(pl_request, limits.cpu_time), .takes = "seconds",
      .min = 1e-3, .max = 1e6},
-    {"memory", "GIB", "Largest memory of a run in GiB (default 8; 0: no limit)",
-     PL_OPTION_PARSED, .parse = parse_memory},
+    {"memory", "GIB", "Largest memory of a run in GiB (default 8; 0: no limit)", PL_OPTION_PARSED,
+     .parse = parse_memory},
     {"profiles", "FILE",
      "Profiles that plumb tune saved, for --engine NAME:tuned (repeatable; they come before "
      "those of the environment variable PLUMB_PROFILES)",

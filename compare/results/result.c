@@ -124,8 +124,7 @@ static json_t *spec_json(const pl_run_view *run)
 {
     char *spec = NULL;
     const pl_engine_info *engine = run->engine;
-    if (asprintf(&spec, "%s:%s", engine->spec, engine->profiles[run->profile].name) <
-        0) {
+    if (asprintf(&spec, "%s:%s", engine->spec, engine->profiles[run->profile].name) < 0) {
         return NULL;
     }
     json_t *text = pl_json_text(spec, strlen(spec));

@@ -245,6 +245,7 @@ static const pl_engine ENGINE = {
     .extension = NULL,
     .sources = NULL, /* why a profile has its values: documents of the engine's authors */
     .source_count = 0,
+    .runtime = NULL, /* native */
 };
 
 /* The one symbol that the harness looks up. */
