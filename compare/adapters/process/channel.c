@@ -242,11 +242,12 @@ static pl_status read_answer(const pl_channel *channel, const char *what, size_t
         char begin[PL_QUOTED_SIZE - 20], quoted[PL_QUOTED_SIZE];
         snprintf(begin, sizeof begin, "%.*s", (int)(size < sizeof begin ? size : sizeof begin - 1),
                  channel->text);
-        const bool is_value = answer != NULL;
+        const bool is_broken = answer == NULL && begin[0] == '{';
         json_decref(answer);
         return pl_fail(error, PL_FAILED,
                        "answer to %s: expected a JSON object on a line, found %s%s%s", what,
-                       pl_quoted(begin, quoted), is_value ? "" : ": ", is_value ? "" : syntax.text);
+                       pl_quoted(begin, quoted), is_broken ? ": " : "",
+                       is_broken ? syntax.text : "");
     }
     pl_diagnostic diagnostic = {.status = PL_OK};
     pl_status status = check_answer(channel, what, answer, error);
