@@ -1,6 +1,8 @@
 #include "built_in.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 /* Where the build puts the scripts and, next to them, node_modules. */
@@ -49,6 +51,22 @@ const pl_built_in *pl_built_in_engines(int *count)
     return all;
 }
 
+/* Whether a shell finds the program. */
+static bool has_program(const char *name)
+{
+    char file[4096];
+    const char *folders = getenv("PATH");
+    while (folders != NULL && *folders != '\0') {
+        const size_t length = strcspn(folders, ":");
+        snprintf(file, sizeof file, "%.*s/%s", (int)length, folders, name);
+        if (access(file, X_OK) == 0) {
+            return true;
+        }
+        folders += length + (folders[length] == ':');
+    }
+    return false;
+}
+
 bool pl_built_in_is_present(const pl_built_in *built_in)
 {
     char path[4096];
@@ -56,7 +74,7 @@ bool pl_built_in_is_present(const pl_built_in *built_in)
         return built_in->entry != NULL;
     }
     snprintf(path, sizeof path, "%s/node_modules/%s/package.json", FOLDER, built_in->module);
-    return access(path, R_OK) == 0;
+    return access(path, R_OK) == 0 && has_program("node");
 }
 
 bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size)

@@ -27,7 +27,7 @@ typedef struct pl_built_in {
     const char *module;    /* the npm package that the script needs */
 } pl_built_in;
 
-/* Whether the engine can be run here: it is linked, or its npm package is installed. */
+/* Whether the engine can be run here: it is linked, or node and its npm package are installed. */
 bool pl_built_in_is_present(const pl_built_in *built_in);
 
 /* The command that runs an engine that is a program, in `command` of that size; false: it is linked. */

@@ -109,7 +109,7 @@ json_t *pl_call_provenance(const pl_call *call, pl_error *error);
 extern const pl_command pl_command_compare, pl_command_run, pl_command_threshold, pl_command_list,
     pl_command_scene, pl_command_solve, pl_command_ensemble, pl_command_sweep, pl_command_tune,
     pl_command_report, pl_command_metamorphic, pl_command_gate, pl_command_check_engine,
-    pl_command_new_engine, pl_command_view;
+    pl_command_new_engine, pl_command_view, pl_command_doctor;
 
 /* The program: finds the command, runs it, and returns the exit code. */
 int pl_program(int argc, char **argv);

@@ -135,6 +135,11 @@ static json_t *list_contacts(uint32_t contacts)
     return list;
 }
 
+static const char *runtime_of(const pl_engine_info *engine)
+{
+    return engine->runtime == NULL ? "native" : engine->runtime;
+}
+
 /* What is known of an engine, added to its item. Of one that could not be asked, the fault. */
 static pl_status describe_engine(json_t *item, const pl_engine_info *e, pl_error *error)
 {
@@ -148,11 +153,11 @@ static pl_status describe_engine(json_t *item, const pl_engine_info *e, pl_error
         return status;
     }
     json_t *known = json_pack(
-        "{s:s, s:s, s:s, s:s, s:o, s:s, s:i, s:o, s:o, s:o, s:o*}", "version", e->version,
-        "description", e->description, "precision", precision_name(e->precision), "integrator",
-        integrator_name(e->integrator), "contacts", list_contacts(e->contacts), "binary", e->binary,
-        "substeps", e->substeps, "profiles", list_profiles(e), "tuned", tuned, "options",
-        list_options(e), "words", words_of(e));
+        "{s:s, s:s, s:s, s:s, s:s, s:o, s:s, s:i, s:o, s:o, s:o, s:o*}", "version", e->version,
+        "description", e->description, "runtime", runtime_of(e), "precision",
+        precision_name(e->precision), "integrator", integrator_name(e->integrator), "contacts",
+        list_contacts(e->contacts), "binary", e->binary, "substeps", e->substeps, "profiles",
+        list_profiles(e), "tuned", tuned, "options", list_options(e), "words", words_of(e));
     json_object_update(item, known);
     json_decref(known);
     return PL_OK;
@@ -166,10 +171,11 @@ pl_status pl_engine_list(const char *const *asked, int asked_count, json_t **lis
     *list = json_array();
     for (int i = 0; asked_count == 0 && i < count && status == PL_OK; ++i) {
         const pl_engine_info *e = NULL;
-        json_t *item = json_pack("{s:s, s:s, s:b}", "name", engines[i].name, "package",
-                                 engines[i].package, "present", engines[i].entry != NULL);
+        json_t *item =
+            json_pack("{s:s, s:s, s:b}", "name", engines[i].name, "package", engines[i].package,
+                      "present", pl_built_in_is_present(&engines[i]));
         json_array_append_new(*list, item);
-        if (engines[i].entry != NULL) {
+        if (pl_built_in_is_present(&engines[i])) {
             status = pl_engine_of_build(&engines[i], &e, error);
         }
         if (e != NULL) {
@@ -194,6 +200,11 @@ pl_status pl_engine_list(const char *const *asked, int asked_count, json_t **lis
 static void print_nature(const json_t *item, FILE *out)
 {
     const int substeps = (int)json_integer_value(json_object_get(item, "substeps"));
+    const char *runtime = pl_json_get_text(item, "runtime");
+    if (strcmp(runtime, "native") != 0) {
+        fprintf(out, "  runs in %s: its times are not ranked with those of native engines\n",
+                runtime);
+    }
     fprintf(out, "  %s precision, %d %s a step, integrator %s, contacts ",
             pl_json_get_text(item, "precision"), substeps, substeps == 1 ? "sub-step" : "sub-steps",
             pl_json_get_text(item, "integrator"));
@@ -331,8 +342,7 @@ void pl_engine_list_print(const json_t *item, FILE *out)
     size_t index;
     json_t *part;
     if (!json_is_true(json_object_get(item, "present"))) {
-        fprintf(out, "%-10s absent from this build; Debian: %s\n", name,
-                pl_json_get_text(item, "package"));
+        fprintf(out, "%-10s absent: ./compare/run --with %s gets it\n", name, name);
         return;
     }
     if (json_object_get(item, "fault") != NULL) {

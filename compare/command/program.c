@@ -31,6 +31,7 @@ static const pl_command *const COMMANDS[] = {&pl_command_compare,
                                              &pl_command_gate,
                                              &pl_command_check_engine,
                                              &pl_command_new_engine,
+                                             &pl_command_doctor,
                                              &HELP,
                                              &VERSION};
 enum { COMMAND_COUNT = sizeof COMMANDS / sizeof COMMANDS[0] };

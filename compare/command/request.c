@@ -25,6 +25,7 @@ void pl_request_free(pl_request *request)
     free(request->names.items);
     free(request->suites.items);
     free(request->engines.items);
+    free(request->with.items);
     free(request->settings.items);
     *request = pl_request_default();
 }
@@ -101,9 +102,14 @@ const pl_option pl_comparison_options[] = {
     {"suite", "NAME", "All scenarios of a suite (repeatable)", PL_OPTION_TEXTS,
      .field = offsetof(pl_request, suites)},
     {"engine", "SPEC",
-     "An engine: NAME[:PROFILE][,OPTION=VALUE...][,label=TEXT], or the path of a shared object "
-     "in place of NAME (repeatable; default: all that are present)",
+     "An engine: NAME[:PROFILE][,OPTION=VALUE...][,label=TEXT]; the path of a shared object, or "
+     "exec:COMMAND, in place of NAME (repeatable; default: all native ones that are present)",
      PL_OPTION_TEXTS, .field = offsetof(pl_request, engines)},
+    {"with", "NAMES",
+     "Further engines by name, with the profiles that they propose: rapier,jolt, or all "
+     "(repeatable; "
+     "plumb doctor lists them)",
+     PL_OPTION_TEXTS, .field = offsetof(pl_request, with)},
     {"json", "FILE", "Also write all results as JSON (- is standard output, in place of tables)",
      PL_OPTION_TEXT, .field = offsetof(pl_request, json)},
     {0}};
@@ -302,39 +308,111 @@ cleanup:
 
 /* ---- Engines ---- */
 
+/* Reports an engine that is absent; any other failure stays one. */
+static pl_status pass_over(const pl_call *call, pl_status status, const pl_error *error)
+{
+    if (status == PL_UNSUPPORTED) {
+        fprintf(stderr, "%s: %s\n", call->argv[0], error->message);
+        return PL_OK;
+    }
+    return status;
+}
+
 static pl_status add_asked_engines(const pl_call *call, const pl_texts *specs, pl_plan *plan,
                                    pl_error *error)
 {
     pl_status status = PL_OK;
     for (int i = 0; i < specs->count && status == PL_OK; ++i) {
-        status = pl_plan_add_engine(plan, specs->items[i], error);
-        if (status == PL_UNSUPPORTED) {
-            fprintf(stderr, "%s: %s\n", call->argv[0], error->message);
-            status = PL_OK;
+        status = pass_over(call, pl_plan_add_engine(plan, specs->items[i], error), error);
+    }
+    return status;
+}
+
+/* Adds the profiles that a built-in engine proposes for comparison. */
+static pl_status add_proposed(const pl_built_in *built_in, pl_plan *plan, pl_error *error)
+{
+    const pl_engine_info *engine = NULL;
+    pl_status status = pl_engine_of_build(built_in, &engine, error);
+    for (int k = 0; status == PL_OK && k < engine->profile_count; ++k) {
+        char spec[2 * PL_NAME_SIZE];
+        snprintf(spec, sizeof spec, "%s:%s", built_in->name, engine->profiles[k].name);
+        if (engine->profiles[k].in_default_comparison) {
+            status = pl_plan_add_engine(plan, spec, error);
         }
     }
     return status;
 }
 
-static pl_status add_all_engines(const pl_call *call, pl_plan *plan, pl_error *error)
+/* All engines that are linked. */
+static pl_status add_native_engines(const pl_call *call, pl_plan *plan, pl_error *error)
 {
     int count;
     const pl_built_in *known = pl_built_in_engines(&count);
     pl_status status = PL_OK;
-    for (int i = 0; i < count; ++i) {
-        const pl_engine_info *engine = NULL;
-        if (known[i].entry != NULL) {
-            status = pl_engine_of_build(&known[i], &engine, error);
-        } else {
-            fprintf(stderr, "%s: engine %s is absent from this build; Debian: %s\n", call->argv[0],
-                    known[i].name, known[i].package);
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        if (known[i].script == NULL) {
+            status = pass_over(call, add_proposed(&known[i], plan, error), error);
         }
-        for (int k = 0; engine != NULL && k < engine->profile_count && status == PL_OK; ++k) {
-            char spec[2 * PL_NAME_SIZE];
-            snprintf(spec, sizeof spec, "%s:%s", known[i].name, engine->profiles[k].name);
-            if (engine->profiles[k].in_default_comparison) {
-                status = pl_plan_add_engine(plan, spec, error);
+    }
+    return status;
+}
+
+/* Whether `names`, separated by commas, has the name, or is "all". */
+static bool is_named(const pl_texts *with, const char *name)
+{
+    const size_t length = strlen(name);
+    for (int i = 0; i < with->count; ++i) {
+        for (const char *at = with->items[i]; *at != '\0';) {
+            const size_t size = strcspn(at, ",");
+            if ((size == 3 && strncmp(at, "all", size) == 0) ||
+                (size == length && strncmp(at, name, size) == 0)) {
+                return true;
             }
+            at += size + (at[size] == ',');
+        }
+    }
+    return false;
+}
+
+/* A usage error for a name that is none. */
+static pl_status check_with(const pl_texts *with, pl_error *error)
+{
+    int count;
+    const pl_built_in *known = pl_built_in_engines(&count);
+    const char *names[32] = {"all"};
+    for (int i = 0; i < count; ++i) {
+        names[i + 1] = known[i].name;
+    }
+    for (int i = 0; i < with->count; ++i) {
+        for (const char *at = with->items[i]; *at != '\0';) {
+            char name[PL_NAME_SIZE], hint[PL_SUGGESTION_SIZE];
+            const size_t size = strcspn(at, ",");
+            bool is_known = false;
+            snprintf(name, sizeof name, "%.*s", (int)size, at);
+            for (int k = 0; k <= count; ++k) {
+                is_known = is_known || strcmp(names[k], name) == 0;
+            }
+            if (!is_known) {
+                return pl_fail(error, PL_BAD_INPUT, "--with: there is no engine \"%s\"%s", name,
+                               pl_did_you_mean(name, names, count + 1, hint));
+            }
+            at += size + (at[size] == ',');
+        }
+    }
+    return PL_OK;
+}
+
+/* Those of --with. Native engines are there already where no --engine is given. */
+static pl_status add_further_engines(const pl_call *call, const pl_request *request, pl_plan *plan,
+                                     pl_error *error)
+{
+    int count;
+    const pl_built_in *known = pl_built_in_engines(&count);
+    pl_status status = check_with(&request->with, error);
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        const bool is_there = known[i].script == NULL && request->engines.count == 0;
+        if (is_named(&request->with, known[i].name) && !is_there) {
+            status = pass_over(call, add_proposed(&known[i], plan, error), error);
         }
     }
     return status;
@@ -344,8 +422,10 @@ pl_status pl_request_add_engines(const pl_call *call, const pl_request *request,
                                  pl_error *error)
 {
     pl_engine_describe_within(&request->limits);
-    return request->engines.count > 0 ? add_asked_engines(call, &request->engines, plan, error)
-                                      : add_all_engines(call, plan, error);
+    pl_status status = request->engines.count > 0
+                           ? add_asked_engines(call, &request->engines, plan, error)
+                           : add_native_engines(call, plan, error);
+    return status == PL_OK ? add_further_engines(call, request, plan, error) : status;
 }
 
 pl_status pl_request_plan(const pl_call *call, const pl_request *request, pl_plan *plan,

@@ -12,6 +12,7 @@ typedef struct pl_request {
     pl_texts names;    /* arguments: scenarios and scene files, or what the command takes */
     pl_texts suites;   /* --suite */
     pl_texts engines;  /* --engine */
+    pl_texts with;     /* --with NAME[,NAME...]|all */
     pl_texts settings; /* --set NAME=VALUE */
     pl_texts others;   /* settings of the option `others_option`, which come after them; borrowed */
     const char *others_option;
@@ -34,7 +35,7 @@ void pl_request_free(pl_request *request);
 extern const pl_option pl_scene_options[];
 /* --timeout, --cpu-limit, --memory, --profiles */
 extern const pl_option pl_limit_options[];
-/* --suite, --engine, --json */
+/* --suite, --engine, --with, --json */
 extern const pl_option pl_comparison_options[];
 /* --jobs */
 extern const pl_option pl_jobs_options[];
@@ -53,8 +54,9 @@ pl_status pl_request_check(const pl_request *request, const char *which, const c
  * parameter. */
 pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_error *error);
 
-/* Adds the engines asked for, or all profiles that engines propose for comparison. An engine that
- * this build lacks is reported on standard error and left out. */
+/* Adds the engines asked for, or all profiles that native engines propose for comparison; then those
+ * of --with, with the profiles that they propose. An engine that is absent is reported on standard
+ * error and left out. */
 pl_status pl_request_add_engines(const pl_call *call, const pl_request *request, pl_plan *plan,
                                  pl_error *error);
 

@@ -92,13 +92,9 @@ pl_status pl_engine_of_build(const pl_built_in *built_in, const pl_engine_info *
     char command[4200];
     const bool is_script = pl_built_in_command(built_in, command, sizeof command);
     if (!pl_built_in_is_present(built_in)) {
-        return is_script
-                   ? pl_fail(error, PL_UNSUPPORTED,
-                             "engine %s is not installed: ./compare/run --with %s gets it from npm",
-                             built_in->name, built_in->name)
-                   : pl_fail(error, PL_UNSUPPORTED,
-                             "engine %s is not in this build: install %s and build again",
-                             built_in->name, built_in->package);
+        return pl_fail(
+            error, PL_UNSUPPORTED, "engine %s is absent: ./compare/run --with %s gets it (%s %s)",
+            built_in->name, built_in->name, is_script ? "npm" : "Debian", built_in->package);
     }
     return pl_engine_describe(NULL, is_script ? command : NULL, built_in, info, error);
 }
