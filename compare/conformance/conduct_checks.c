@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #if PL_ADDRESS_SANITIZER
 /* sanitizer/allocator_interface.h, which gcc does not install. */
 size_t __sanitizer_get_current_allocated_bytes(void);
@@ -164,6 +165,15 @@ static void raise_flags(void *user, pl_stage stage)
     feraiseexcept(FE_ALL_EXCEPT);
 }
 
+/* Skips the check for an engine that is a program. */
+static void skip_program(pl_probe *p)
+{
+    if (p->choice->engine->command != NULL) {
+        pl_probe_skip(
+            p, "the engine is another process, with a floating-point environment of its own");
+    }
+}
+
 static void begin_raising_flags(pl_probe *p)
 {
     p->session.enter = raise_flags;
@@ -173,6 +183,7 @@ static void begin_raising_flags(pl_probe *p)
  * asked of other rounding modes, which the harness never sets. */
 static void check_flags(pl_probe *p)
 {
+    skip_program(p);
     expect_repeats(p, begin_raising_flags,
                    "flags of floating-point exceptions raised before a call do not change results",
                    "the engine reads fetestexcept without feclearexcept before");
@@ -180,6 +191,7 @@ static void check_flags(pl_probe *p)
 
 static void check_modes(pl_probe *p)
 {
+    skip_program(p);
     begin_heap(p);
     pl_probe_create(p);
     pl_probe_steps(p, 20);
@@ -212,9 +224,12 @@ static double heap_in_use(void)
 #endif
 }
 
-static double count_entries(const char *folder)
+/* Entries of a folder of a process in /proc. */
+static double count_entries(pid_t pid, const char *name)
 {
     double count = 0;
+    char folder[64];
+    snprintf(folder, sizeof folder, "/proc/%d/%s", (int)pid, name);
     DIR *open = opendir(folder);
     while (open != NULL && readdir(open) != NULL) {
         ++count;
@@ -232,11 +247,14 @@ typedef struct holdings {
     double threads;
 } holdings;
 
+/* Of an engine that is a program, its files and threads: what it allocates cannot be seen. */
 static holdings holdings_now(void)
 {
-    return (holdings){.heap = heap_in_use(),
-                      .descriptors = count_entries("/proc/self/fd"),
-                      .threads = count_entries("/proc/self/task")};
+    const pid_t program = pl_process_engine_pid();
+    const pid_t pid = program > 0 ? program : getpid();
+    return (holdings){.heap = program > 0 ? 0 : heap_in_use(),
+                      .descriptors = count_entries(pid, "fd"),
+                      .threads = count_entries(pid, "task")};
 }
 
 /* glibc counts freed blocks in its caches as in use, and fills these over the first rounds. */
@@ -306,6 +324,46 @@ static void check_step_leaks(pl_probe *p)
 }
 
 /* ---- Small duties ---- */
+
+/* ---- The time of a program ---- */
+
+/* Steps of a program are timed by itself. What it reports is compared with what the operating system
+ * counted for its steps, less the same number of requests for the state alone. Only reports that are
+ * far too low are found, and only where steps take long enough to tell. */
+static void check_reported_time(pl_probe *p)
+{
+    enum { BATCH = 50, MOST_BATCHES = 40 };
+    const double enough = 0.05; /* s */
+    double steps = 0, states = 0, reported = 0;
+    pl_error error = {.message = ""};
+    if (p->choice->engine->command == NULL) {
+        pl_probe_skip(p, "the harness itself measures engines in its own process");
+        return;
+    }
+    begin_heap(p);
+    pl_probe_create(p);
+    pl_probe_steps(p, 2 * BATCH); /* interpreters compile what runs often */
+    for (int i = 0; i < MOST_BATCHES && steps < enough && !p->over; ++i) {
+        const pl_process_engine_time before = pl_process_engine_times();
+        pl_probe_steps(p, BATCH);
+        const pl_process_engine_time between = pl_process_engine_times();
+        if (p->over || pl_process_engine_ask_state(p->session.instance, BATCH, &error) != PL_OK) {
+            break;
+        }
+        steps += between.all - before.all;
+        states += pl_process_engine_times().all - between.all;
+        reported += between.steps - before.steps;
+    }
+    char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
+    snprintf(
+        expected, sizeof expected,
+        "the reported CPU time is at least half of %.3g s, which the steps took beyond requests "
+        "for the state",
+        steps - states);
+    snprintf(found, sizeof found, "%.3g s", reported);
+    pl_probe_require(p, reported >= 0.5 * (steps - states) - 0.1 * steps, expected, found,
+                     "the CPU time around the engine's own step, in all threads and in seconds");
+}
 
 static void check_destroy_null(pl_probe *p)
 {
@@ -388,6 +446,8 @@ const pl_check pl_conduct_checks[] = {
     {"reload", "a scene does not depend on when the engine was loaded", 0, 0, check_reload},
     {"exception-flags", "results do not depend on raised exception flags", 0, 0, check_flags},
     {"floating-point-modes", "calls leave the floating-point modes alone", 0, 0, check_modes},
+    {"reported-time", "the CPU time that a program reports is that of its steps", 0, 0,
+     check_reported_time},
     {"scene-leaks", "destroy frees what create and step made", 0, 0, check_leaks},
     {"step-leaks", "steps of a settled scene take no memory", 0, 0, check_step_leaks},
     {"destroy-null", "destroy takes NULL", 0, 0, check_destroy_null},

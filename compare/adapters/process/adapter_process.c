@@ -154,6 +154,16 @@ static bool read_created(const json_t *answer, void *user, pl_diagnostic *diagno
     return true;
 }
 
+pl_status pl_process_engine_ask_state(pl_engine_instance *instance, int count, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        pl_channel_begin(&program.channel, "frame");
+        status = ask("frame", read_state, instance, error);
+    }
+    return status;
+}
+
 static pl_status process_create(const pl_engine_setup *setup, pl_engine_instance **out,
                                 pl_error *error)
 {
@@ -175,8 +185,7 @@ static pl_status process_create(const pl_engine_setup *setup, pl_engine_instance
         free_instance(instance);
         return status;
     }
-    pl_channel_begin(&program.channel, "frame");
-    status = ask("frame", read_state, instance, error);
+    status = pl_process_engine_ask_state(instance, 1, error);
     if (status != PL_OK) {
         process_destroy(instance);
         return status;

@@ -30,6 +30,9 @@ typedef struct pl_process_engine_time {
 /* The times so far. */
 pl_process_engine_time pl_process_engine_times(void);
 
+/* Asks for the state of a scene `count` times, without a step. The channel's fault, if it has one. */
+pl_status pl_process_engine_ask_state(pl_engine_instance *instance, int count, pl_error *error);
+
 /* The path of file number `index` of those that the engine consists of: the program, files that its
  * command names, and those that it names itself; NULL: there are no more. Valid until the next
  * call. */
