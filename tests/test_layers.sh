@@ -42,7 +42,7 @@ compare/referee/metrics:     SCENE compare/include geometry
 compare/referee:             SCENE compare/include geometry metrics
 compare/results:             SCENE compare/include engines metrics
 compare/runner:              SCENE compare/include adapters engines geometry metrics referee results
-compare/conformance:         SCENE compare/include engines geometry results runner
+compare/conformance:         SCENE compare/include adapters engines geometry results runner
 compare/studies/variant:     SCENE compare/include adapters engines
 compare/studies/sweep:       SCENE compare/include adapters engines metrics results runner variant
 compare/studies/tune:        SCENE compare/include adapters engines metrics results runner variant

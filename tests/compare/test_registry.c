@@ -271,11 +271,11 @@ static void test_bad_options_are_refused_with_what_was_found(void **state)
 static void test_a_spec_longer_than_its_field_is_refused(void **state)
 {
     (void)state;
-    char spec[257];
+    char spec[PL_SPEC_SIZE + 1];
     memset(spec, 'a', sizeof spec - 1);
-    spec[256] = '\0';
+    spec[PL_SPEC_SIZE] = '\0';
     assert_refused(spec, PL_BAD_INPUT, "longer than 1023", "aaaa");
-    spec[255] = '\0';
+    spec[PL_SPEC_SIZE - 1] = '\0';
     assert_refused(spec, PL_BAD_INPUT, "unknown engine", "aaaa");
 }
 

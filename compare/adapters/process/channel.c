@@ -244,10 +244,9 @@ static pl_status read_answer(const pl_channel *channel, const char *what, size_t
                  channel->text);
         const bool is_broken = answer == NULL && begin[0] == '{';
         json_decref(answer);
-        return pl_fail(error, PL_FAILED,
-                       "answer to %s: expected a JSON object on a line, found %s%s%s", what,
-                       pl_quoted(begin, quoted), is_broken ? ": " : "",
-                       is_broken ? syntax.text : "");
+        return pl_fail(
+            error, PL_FAILED, "answer to %s: expected a JSON object on a line, found %s%s%s", what,
+            pl_quoted(begin, quoted), is_broken ? ": " : "", is_broken ? syntax.text : "");
     }
     pl_diagnostic diagnostic = {.status = PL_OK};
     pl_status status = check_answer(channel, what, answer, error);
