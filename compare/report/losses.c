@@ -81,6 +81,7 @@ static int best_other(const pl_result_matrix *matrix, const pl_case *test_case, 
     for (int i = 0; i < matrix->column_count; ++i) {
         const pl_cell *cell = &test_case->cells[i];
         if (matrix->columns[i].ours || cell->result == NULL || !cell->ok ||
+            (is_measured(metric) && matrix->columns[i].runtime != NULL) ||
             cell->metrics[metric].state != PL_METRIC_VALUE || !comparable(ours, cell, metric)) {
             continue;
         }

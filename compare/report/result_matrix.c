@@ -45,6 +45,7 @@ static pl_column column_of(const json_t *result)
                        .version = pl_json_get_text(result, "engine_version"),
                        .git = pl_result_text(result, "plumb", "git"),
                        .binary = pl_json_get_text(result, "engine_binary"),
+                       .runtime = pl_result_runtime(result),
                        .ours = strcmp(pl_json_get_text(result, "engine"), "plumb") == 0};
 }
 
@@ -420,14 +421,15 @@ bool pl_case_is_entry(const pl_case *test_case, const pl_suite_entry *entry)
     return true;
 }
 
-double pl_case_least(const pl_case *test_case, int column_count, int metric)
+double pl_case_least_time(const pl_result_matrix *matrix, const pl_case *test_case)
 {
     double least = INFINITY;
-    for (int i = 0; i < column_count; ++i) {
+    for (int i = 0; i < matrix->column_count; ++i) {
         const pl_cell *cell = &test_case->cells[i];
-        const pl_metric_summary *summary = &cell->metrics[metric];
-        if (cell->result != NULL && cell->ok && summary->state == PL_METRIC_VALUE) {
-            least = fmin(least, summary->value);
+        const pl_metric_summary *time = &cell->metrics[PL_METRIC_TIME_PER_STEP];
+        if (matrix->columns[i].runtime == NULL && cell->result != NULL && cell->ok &&
+            time->state == PL_METRIC_VALUE) {
+            least = fmin(least, time->value);
         }
     }
     return least;

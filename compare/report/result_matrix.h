@@ -25,6 +25,7 @@ typedef struct pl_cell {
 typedef struct pl_column {
     const char *label, *engine, *version, *git, *binary;
     char name[256]; /* the label, with what distinguishes it where labels alone are not unique */
+    const char *runtime; /* what runs the engine's code; NULL: it is native */
     bool ours;
 } pl_column;
 
@@ -69,8 +70,8 @@ bool pl_case_primary_is(const pl_case *test_case, int metric);
  * duration, which publications leave open. */
 bool pl_case_is_entry(const pl_case *test_case, const pl_suite_entry *entry);
 
-/* Returns the smallest value of a metric over cells whose outcome is ok; INFINITY without any. */
-double pl_case_least(const pl_case *test_case, int column_count, int metric);
+/* Returns the least time of a step over native engines whose outcome is ok; INFINITY without any. */
+double pl_case_least_time(const pl_result_matrix *matrix, const pl_case *test_case);
 
 /* Whether the cell has repeats that should agree and do not. */
 bool pl_cell_disagrees(const pl_cell *cell);

@@ -209,7 +209,8 @@ static void add_warnings(const pl_result_matrix *matrix, pl_text_buffer *out)
 /* ---- Results ---- */
 
 /* Adds the cell of a run: its primary error, the time of a step and its ratio to the fastest. */
-static void add_result(const pl_cell *cell, double fastest, pl_table *table)
+static void add_result(const pl_column *column, const pl_cell *cell, double fastest,
+                       pl_table *table)
 {
     const pl_metric_summary *error = &cell->metrics[PL_METRIC_REFERENCE_ERROR];
     const pl_metric_summary *time = &cell->metrics[PL_METRIC_TIME_PER_STEP];
@@ -232,7 +233,10 @@ static void add_result(const pl_cell *cell, double fastest, pl_table *table)
     pl_metric_text(time, text);
     pl_text_add(&markup, has_time ? "<br>" : "");
     pl_text_add_markdown(&markup, has_time ? text : "");
-    if (cell->ok && has_time && fastest > 0 && isfinite(fastest)) {
+    if (column->runtime != NULL && has_time) {
+        pl_text_add(&markup, " in ");
+        pl_text_add_markdown(&markup, column->runtime);
+    } else if (cell->ok && has_time && fastest > 0 && isfinite(fastest)) {
         pl_format_ratio(time->value / fastest, text);
         pl_text_format(&markup, " (%s)", text);
     }
@@ -263,19 +267,19 @@ static void add_results(const pl_result_matrix *matrix, pl_text_buffer *out)
     add_engine_columns(matrix, &table);
     for (int i = 0; i < matrix->case_count; ++i) {
         const pl_case *test_case = &matrix->cases[i];
-        double fastest = pl_case_least(test_case, matrix->column_count, PL_METRIC_TIME_PER_STEP);
+        double fastest = pl_case_least_time(matrix, test_case);
         add_case_name(matrix, test_case, &table);
         for (int k = 0; k < matrix->column_count; ++k) {
-            add_result(&test_case->cells[k], fastest, &table);
+            add_result(&matrix->columns[k], &test_case->cells[k], fastest, &table);
         }
     }
     add_heading(out, "Results");
-    add_paragraph(out,
-                  "In each cell the verdict where it is not accurate, the primary error of the "
-                  "case and, below it, the time of a step, with how many times that of the "
-                  "fastest run that is ok. Lower is better for both; a number without a unit "
-                  "is relative to the right value. Below each case stand its primary error and "
-                  "the largest value that is accurate.");
+    add_paragraph(
+        out, "In each cell the verdict where it is not accurate, the primary error of the "
+             "case and, below it, the time of a step, with how many times that of the "
+             "fastest native run that is ok. Lower is better for both; a number without a unit "
+             "is relative to the right value. Below each case stand its primary error and "
+             "the largest value that is accurate.");
     add_paragraph(out,
                   "Times are CPU time of the engine's step call alone, and machines are noisy: "
                   "differences of less than 10 % mean nothing. Repeat runs (--repeat) before "

@@ -145,9 +145,11 @@ static void add_run(const pl_column *column, const pl_cell *cell, pl_table *tabl
     const bool run = cell->result != NULL;
     pl_table_add(table, column->name);
     for (int k = 0; k < NUMBER_COLUMNS; ++k) {
+        const bool is_marked = shown[k] == PL_METRIC_TIME_PER_STEP && column->runtime != NULL;
         char text[PL_METRIC_TEXT_SIZE];
         pl_metric_spread_text(&cell->metrics[shown[k]], text);
-        pl_table_add(table, run ? text : pl_no_number);
+        pl_table_format_cell(table, "%s%s", run ? text : pl_no_number,
+                             run && is_marked ? " *" : "");
     }
     char verdict[PL_CELL_VERDICT_SIZE];
     const char *why = pl_cell_why(cell);
@@ -201,6 +203,16 @@ static void add_cases(const pl_result_matrix *matrix, const terminal *to)
         pl_table_write(&table, PL_TABLE_TEXT, to->out);
     }
     pl_table_free(&table);
+    bool is_marked = false;
+    for (int i = 0; i < matrix->column_count; ++i) {
+        is_marked = is_marked || matrix->columns[i].runtime != NULL;
+    }
+    if (is_marked) {
+        pl_text_add(to->out, "\n");
+        add_text(
+            to, "* The engine runs in an interpreter or in WebAssembly: its times are not those of "
+                "its native build, and are not ranked.");
+    }
     const int repeats = most_repeats(matrix);
     if (repeats > 1) {
         char line[200];

@@ -45,6 +45,12 @@ static json_t *text_or_null(const char *text)
     return text[0] == '\0' ? json_null() : pl_json_text(text, strlen(text));
 }
 
+const char *pl_result_runtime(const json_t *result)
+{
+    const char *runtime = pl_json_get_text(result, "engine_runtime");
+    return runtime[0] == '\0' || strcmp(runtime, "native") == 0 ? NULL : runtime;
+}
+
 double pl_result_metric(const json_t *result, const char *name)
 {
     const json_t *metric = json_object_get(json_object_get(result, "metrics"), name);
@@ -189,6 +195,9 @@ json_t *pl_run_identity(const pl_run_view *run)
     failed |= json_object_set_new(identity, "primary_error", json_string(run->primary_error));
     failed |= json_object_set_new(identity, "acceptance", pl_json_number_or_null(run->acceptance));
     failed |= json_object_set_new(identity, "engine_spec", spec_json(run));
+    failed |= json_object_set_new(
+        identity, "engine_runtime",
+        json_string(run->engine->runtime == NULL ? "native" : run->engine->runtime));
     failed |= json_object_set_new(identity, "as_shipped", json_boolean(is_as_shipped(run)));
     failed |=
         json_object_set_new(identity, "conformance", pl_conformance_to_json(&run->conformance));

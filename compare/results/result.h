@@ -100,6 +100,9 @@ json_t *pl_provenance(int argc, char *const *argv);
 /* The value of a metric of a result; NAN where it has none. */
 double pl_result_metric(const json_t *result, const char *name);
 
+/* What runs the engine's code, such as "webassembly"; NULL: it is native, and its times are ranked. */
+const char *pl_result_runtime(const json_t *result);
+
 /* A JSON number, or null for one that is not finite. */
 json_t *pl_json_number_or_null(double value);
 

@@ -34,7 +34,9 @@ export function remark(test, cell) {
   return '';
 }
 
-const fastest = (test) => Math.min(...test.cells.filter((c) => c?.style === 'ok').map((c) => timeOf(c) ?? Infinity));
+/* Times of engines in WebAssembly or an interpreter are shown, and not ranked with those of native ones. */
+export const rankedTime = (report, test, index) => (report.engines[index].runtime ? null : timeOf(test.cells[index]));
+export const fastest = (report, test) => Math.min(...test.cells.map((c, i) => (c?.style === 'ok' ? rankedTime(report, test, i) ?? Infinity : Infinity)));
 
 /* How far a run of a scene without an expected result is from its converged reference: {distance,
  * differs}; null where there is none. */
@@ -54,7 +56,8 @@ function matrixCell(report, test, index, least) {
   const error = errorOf(cell), time = timeOf(cell), said = remark(test, cell);
   const word = cell.style === 'bad' ? cell.verdict.replace(/^failed: /, '') : cell.style === 'none' ? 'none' : '';
   const mark = cell.style === undefined ? '○' : marks[cell.style];
-  const cost = time === null || cell.style === 'none' ? '' : Number.isFinite(least) ? `×${digits(time / least, 2)}` : number(time, 's');
+  const ranked = rankedTime(report, test, index) !== null;
+  const cost = time === null || cell.style === 'none' ? '' : !ranked ? `${number(time, 's')}*` : Number.isFinite(least) ? `×${digits(time / least, 2)}` : number(time, 's');
   return {
     style: decade(test, cell), value: error ?? (cell.style === 'bad' ? Infinity : null),
     title: [cell.verdict, cell.why, `${test.primary_error ?? 'no reference'}: ${cell.metrics.reference_error?.[1] ?? '–'}`, time === null ? '' : `${number(time, 's')} a step`].filter(Boolean).join('\n'),
@@ -78,7 +81,7 @@ function sentences(report) {
 function matrix(report) {
   const columns = [{ name: 'scenario', title: 'sort by scenario' }, ...report.engines.map((e) => ({ name: e.name, right: true, lines: true })), { name: 'bound', right: true, title: 'the largest error of an accurate run' }];
   const rows = report.cases.map((test, i) => {
-    const least = fastest(test);
+    const least = fastest(report, test);
     return [{ text: test.name, value: i, title: test.title, children: h('a', { href: `#case-${i}` }, test.name) }, ...test.cells.map((_, k) => matrixCell(report, test, k, least)),
       { text: test.bound_text ?? '–', value: test.bound ?? null, title: [test.primary_error, test.bound_reason].filter(Boolean).join(': ') }];
   });
@@ -88,7 +91,7 @@ function matrix(report) {
 function legend() {
   const key = (style, mark, text) => h('span', {}, h('span', { class: `key ${style}` }, mark), text);
   return h('p', { class: 'legend' }, h('span', {}, 'error over the bound:'), key('d0', '■', '≤ 1e-6'), key('d1', '■', '≤ 0.01'), key('d2', '■', '≤ 1: accurate'),
-    key('d3', '▲', '> 1'), key('d4', '▲', '> 10'), key('d5', '▲', '> 100: inaccurate'), key('failed', '✖', 'failed'), key('none', '–', 'unsupported or not run'), h('span', {}, '×: time of a step, of the fastest accurate run'));
+    key('d3', '▲', '> 1'), key('d4', '▲', '> 10'), key('d5', '▲', '> 100: inaccurate'), key('failed', '✖', 'failed'), key('none', '–', 'unsupported or not run'), h('span', {}, '×: time of a step, of the fastest accurate native run; *: in WebAssembly or an interpreter, not ranked'));
 }
 
 /* How differently the runs of a case ended: the largest distance along an axis between a body's places,
@@ -121,8 +124,8 @@ function disagreement(report) {
 
 function speedError(report, styles) {
   const dots = report.cases.flatMap((test) => {
-    const least = fastest(test);
-    return test.cells.map((cell, i) => ({ test, cell, name: report.engines[i].name, x: timeOf(cell) / least, y: Math.max(errorOf(cell) ?? NaN, 1e-12 * (test.bound ?? NaN)) / test.bound }));
+    const least = fastest(report, test);
+    return test.cells.map((cell, i) => ({ test, cell, name: report.engines[i].name, x: (rankedTime(report, test, i) ?? NaN) / least, y: Math.max(errorOf(cell) ?? NaN, 1e-12 * (test.bound ?? NaN)) / test.bound }));
   }).filter((d) => d.cell !== null && Number.isFinite(d.x) && d.x > 0 && Number.isFinite(d.y) && d.y > 0);
   if (!hasPlots || dots.length < 2) return null;
   const shapes = { ok: 'square', poor: 'triangle', bad: 'times' };

@@ -1,7 +1,7 @@
 /* One case: replay, what it is, a table of engines, curves, deviations, how to run it again, metrics. */
 import { add, facts, folded, h, p, section, table } from './dom.js';
 import { digits, number } from './format.js';
-import { errorOf, metric, remark, timeOf } from './overview.js';
+import { errorOf, fastest, metric, remark, timeOf } from './overview.js';
 import { chips, curves, plot, Plot, hasPlots, power } from './plots.js';
 import { replay } from './replay.js';
 
@@ -16,13 +16,13 @@ const kinds = [
 
 const badge = (cell) => h('span', { class: `badge ${cell.style ?? ''}` }, cell.verdict);
 
-function engineTable(test, runs) {
-  const least = Math.min(...runs.filter((r) => r.cell.style === 'ok').map((r) => timeOf(r.cell) ?? Infinity));
+function engineTable(report, test, runs) {
+  const least = fastest(report, test), runtimeOf = (name) => report.engines.find((e) => e.name === name).runtime;
   const of = (cell, name) => ({ text: cell.metrics[name]?.[1] ?? '–', value: metric(cell, name), title: cell.metrics[name]?.[2] });
   return table({ caption: `${test.name}: each engine`,
-    columns: [{ name: 'engine' }, { name: 'verdict' }, { name: 'error', right: true }, { name: 'time a step', right: true }, { name: 'relative', right: true, title: 'to the fastest accurate run' }, { name: 'deepest overlap', right: true }, { name: 'energy gained', right: true }, { name: 'iterations', right: true }, { name: 'why', wide: true }],
+    columns: [{ name: 'engine' }, { name: 'verdict' }, { name: 'error', right: true }, { name: 'time a step', right: true }, { name: 'relative', right: true, title: 'to the fastest accurate native run' }, { name: 'deepest overlap', right: true }, { name: 'energy gained', right: true }, { name: 'iterations', right: true }, { name: 'why', wide: true }],
     rows: runs.map(({ name, cell }) => [name, { text: cell.verdict, children: [badge(cell), cell.repeats ? h('span', { class: 'small' }, ` ${cell.repeats} repeats`) : null] }, of(cell, 'reference_error'), of(cell, 'time_per_step'),
-      { text: Number.isFinite(least) && timeOf(cell) !== null ? `×${digits(timeOf(cell) / least)}` : '–', value: timeOf(cell) }, of(cell, 'penetration_max'), of(cell, 'energy_gain'), of(cell, 'iterations_mean'),
+      { text: runtimeOf(name) ? `in ${runtimeOf(name)}` : Number.isFinite(least) && timeOf(cell) !== null ? `×${digits(timeOf(cell) / least)}` : '–', value: timeOf(cell) }, of(cell, 'penetration_max'), of(cell, 'energy_gain'), of(cell, 'iterations_mean'),
       [remark(test, cell), cell.why, cell.why?.includes(cell.note) ? '' : cell.note, cell.disagrees ? 'repeats differ' : ''].filter(Boolean).join('; ')]) });
 }
 
@@ -93,7 +93,7 @@ function fill(body, report, test, styles) {
     p(test.description ?? 'A scene that is not in the catalogue.'),
     facts([['Right answer', test.reference && h('span', { class: 'formula' }, test.reference)], ['Source', test.source], ['Expected', test.expected],
       ['Accurate', test.bound_text && [h('code', {}, test.primary_error), ` of at most ${test.bound_text}`, test.bound_reason ? `: ${test.bound_reason}` : '']], ['Valid', test.validity], ['Provokes', test.provokes]]),
-    engineTable(test, runs), chips(runs.map((r) => r.name), styles)]);
+    engineTable(report, test, runs), chips(runs.map((r) => r.name), styles)]);
   const errors = errorPlot(test, runs, styles);
   if (errors) plots.append(errors);
   add(body, [plots, deviations(test, runs), again(test, runs), outputs(runs), rawMetrics(report, runs)]);

@@ -154,6 +154,11 @@ static void apply_changes(const json_t *const *changed, int count, pl_sweep_poin
 static void take_samples(const json_t *const *rows, int count, double *scratch,
                          pl_sweep_point *point)
 {
+    if (pl_result_runtime(rows[0]) != NULL) {
+        point->state = PL_SWEEP_UNMEASURED;
+        point->reason = "the engine is not native: its times are not ranked";
+        return;
+    }
     double *raw = scratch + count, *instructions = raw + count;
     int errors = 0, costs = 0, counted = 0;
     for (int i = 0; i < count; ++i) {
