@@ -8,9 +8,9 @@
 /* Where the build puts the scripts and, next to them, node_modules. */
 static const char FOLDER[] = PLUMB_WEB_FOLDER;
 
-#define WEB(engine, npm_package)                                                                   \
+#define WEB(engine, script_with_arguments, npm_package)                                            \
     {                                                                                              \
-        .name = engine, .package = npm_package, .libraries = "", .script = engine ".mjs",          \
+        .name = engine, .package = npm_package, .libraries = "", .script = script_with_arguments,  \
         .module = npm_package                                                                      \
     }
 
@@ -39,13 +39,14 @@ const pl_built_in *pl_built_in_engines(int *count)
          .entry = pl_engine_mujoco
 #endif
         },
-        WEB("mujoco3", "@mujoco/mujoco"),
-        WEB("rapier", "@dimforge/rapier3d-compat"),
-        WEB("rapier-deterministic", "@dimforge/rapier3d-deterministic-compat"),
-        WEB("jolt", "jolt-physics"),
-        WEB("physx", "physx-js-webidl"),
-        WEB("havok", "@babylonjs/havok"),
-        WEB("cannon", "cannon-es"),
+        WEB("mujoco3", "mujoco3.mjs", "@mujoco/mujoco"),
+        WEB("rapier", "rapier.mjs", "@dimforge/rapier3d-compat"),
+        WEB("rapier-deterministic", "rapier.mjs deterministic",
+            "@dimforge/rapier3d-deterministic-compat"),
+        WEB("jolt", "jolt.mjs", "jolt-physics"),
+        WEB("physx", "physx.mjs", "physx-js-webidl"),
+        WEB("havok", "havok.mjs", "@babylonjs/havok"),
+        WEB("cannon", "cannon.mjs", "cannon-es"),
     };
     *count = (int)(sizeof all / sizeof *all);
     return all;
@@ -82,6 +83,8 @@ bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size
     if (built_in->script == NULL) {
         return false;
     }
-    snprintf(command, size, "node '%s/%s'", FOLDER, built_in->script);
+    const int length = (int)strcspn(built_in->script, " ");
+    snprintf(command, size, "node '%s/%.*s'%s", FOLDER, length, built_in->script,
+             built_in->script + length);
     return true;
 }

@@ -23,8 +23,9 @@ typedef struct pl_built_in {
     const char *libraries; /* base names of its shared libraries begin with one of these, separated
                               by blanks; "": it has none */
     pl_engine_entry entry; /* NULL: absent from this build, or a program */
-    const char *script;    /* file of adapters/web that node runs; NULL: it is linked */
-    const char *module;    /* the npm package that the script needs */
+    const char
+        *script; /* file of adapters/web that node runs, with arguments; NULL: it is linked */
+    const char *module; /* the npm package that the script needs */
 } pl_built_in;
 
 /* Whether the engine can be run here: it is linked, or node and its npm package are installed. */

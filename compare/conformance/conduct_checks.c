@@ -327,14 +327,16 @@ static void check_step_leaks(pl_probe *p)
 
 /* ---- The time of a program ---- */
 
-/* Steps of a program are timed by itself. What it reports is compared with what the operating system
- * counted for its steps, less the same number of requests for the state alone. Only reports that are
- * far too low are found, and only where steps take long enough to tell. */
+/* Steps of a program are timed by itself. What it reports of some steps is compared with what the
+ * operating system counted for them, less the same number of requests for the state alone. In most
+ * batches a runtime may compile or collect garbage in other threads; a report that is far too low is
+ * so in all of them. */
 static void check_reported_time(pl_probe *p)
 {
-    enum { BATCH = 50, MOST_BATCHES = 40 };
-    const double enough = 0.05; /* s */
-    double steps = 0, states = 0, reported = 0;
+    enum { BATCH = 50, BATCHES = 20 };
+    const double clear = 1e-3; /* s: less is not told from the requests for the state */
+    double best = 0;
+    bool is_clear = false;
     pl_error error = {.message = ""};
     if (p->choice->engine->command == NULL) {
         pl_probe_skip(p, "the harness itself measures engines in its own process");
@@ -342,27 +344,27 @@ static void check_reported_time(pl_probe *p)
     }
     begin_heap(p);
     pl_probe_create(p);
-    pl_probe_steps(p, 2 * BATCH); /* interpreters compile what runs often */
-    for (int i = 0; i < MOST_BATCHES && steps < enough && !p->over; ++i) {
+    for (int i = 0; i < BATCHES && !p->over; ++i) {
         const pl_process_engine_time before = pl_process_engine_times();
         pl_probe_steps(p, BATCH);
         const pl_process_engine_time between = pl_process_engine_times();
         if (p->over || pl_process_engine_ask_state(p->session.instance, BATCH, &error) != PL_OK) {
             break;
         }
-        steps += between.all - before.all;
-        states += pl_process_engine_times().all - between.all;
-        reported += between.steps - before.steps;
+        const double steps = between.all - before.all;
+        const double states = pl_process_engine_times().all - between.all;
+        if (steps - states > clear) {
+            best = fmax(best, (between.steps - before.steps) / (steps - states));
+            is_clear = true;
+        }
     }
-    char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
-    snprintf(
-        expected, sizeof expected,
-        "the reported CPU time is at least half of %.3g s, which the steps took beyond requests "
-        "for the state",
-        steps - states);
-    snprintf(found, sizeof found, "%.3g s", reported);
-    pl_probe_require(p, reported >= 0.5 * (steps - states) - 0.1 * steps, expected, found,
-                     "the CPU time around the engine's own step, in all threads and in seconds");
+    char found[PL_CHECK_TEXT_SIZE];
+    snprintf(found, sizeof found, "%.2g of it", best);
+    pl_probe_require(
+        p, !is_clear || best >= 0.5,
+        "the reported CPU time is at least half of what steps take beyond requests for "
+        "the state",
+        found, "the CPU time around the engine's own step, in all threads and in seconds");
 }
 
 static void check_destroy_null(pl_probe *p)
