@@ -42,10 +42,10 @@ export function normalized(v) {
 /** The solid of a body that is a hull or a mesh; undefined for the others. */
 export const solidOf = (setup, body) => setup.solids[body.shape.solid];
 
-/** The vertices of a solid in its principal frame, m: a Float32Array of three numbers each. */
-export function principalVertices(solid) {
+/** The vertices of a solid in its principal frame, m: a typed array of three numbers each. */
+export function principalVertices(solid, Numbers = Float32Array) {
   const back = inverse(solid.axes);
-  return Float32Array.from(solid.vertices.flatMap((v) => rotate(back, v.map((x, k) => x - solid.centre[k]))));
+  return Numbers.from(solid.vertices.flatMap((v) => rotate(back, v.map((x, k) => x - solid.centre[k]))));
 }
 
 /** Where the principal frame of a body is at the start: {position, orientation}. */

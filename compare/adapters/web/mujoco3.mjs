@@ -1,0 +1,206 @@
+// MuJoCo 3, the maintainers' WebAssembly build (npm @mujoco/mujoco), in double precision.
+//
+// The scene is written as MJCF. Contacts are soft by design, and there is no restitution: scenes with one are unsupported,
+// as are meshes, which MuJoCo replaces by their convex hulls. MuJoCo takes the larger friction of two geoms; where a pair
+// has another, the model has an element `pair` for it. A free joint keeps the angular velocity in the body's axes.
+import {Unsupported, serve} from './protocol.mjs';
+import {applyForces, inverse, normalized, principalPose, principalVertices, rotate, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
+import loadMujoco from '@mujoco/mujoco';
+
+const mujoco = await loadMujoco();
+const LEAST_FRICTION = 1e-5; // mjMINMU: smaller ones are raised
+const CONES = ['pyramidal', 'elliptic'];
+const SOLVERS = {default: 'Newton', recommended: 'Newton', cg: 'CG', pgs: 'PGS'};
+
+/* ---- The model ---- */
+
+const attributes = (values) => Object.entries(values).map(([key, value]) => ` ${key}="${Array.isArray(value) ? value.join(' ') : value}"`).join('');
+
+function shapeOf(setup, body) {
+  const {shape} = body;
+  switch (shape.type) {
+    case 'plane':
+      return {type: 'plane', size: [0, 0, 1], pos: shape.normal.map((n) => n * shape.offset), quat: rotationFromZ(shape.normal)};
+    case 'sphere':
+      return {type: 'sphere', size: shape.radius};
+    case 'box':
+      return {type: 'box', size: shape.half_extents};
+    case 'capsule':
+    case 'cylinder':
+      return {type: shape.type, size: [shape.radius, shape.half_height]};
+    default:
+      return {type: 'mesh', mesh: `solid${shape.solid}`};
+  }
+}
+
+function geom(setup, body, index) {
+  const friction = setup.friction[body.material][body.material];
+  return `<geom${attributes({name: `g${index}`, condim: friction > 0 ? 3 : 1, friction: [friction, 0, 0], ...shapeOf(setup, body)})}/>`;
+}
+
+function bodyText(setup, body, index) {
+  if (body.shape.type === 'plane') {
+    return geom(setup, body, index);
+  }
+  const {position, orientation} = principalPose(setup, body);
+  const inertial = body.static ? '' : `<freejoint name="j${index}"/><inertial${attributes({pos: [0, 0, 0], mass: body.mass, diaginertia: body.inertia})}/>`;
+  return `<body${attributes({name: `b${index}`, pos: position, quat: orientation})}>${inertial}${geom(setup, body, index)}</body>`;
+}
+
+/** Elements for the pairs of bodies whose friction is not the larger one of their materials. */
+function pairElements(setup) {
+  const {bodies, friction} = setup;
+  const lines = [];
+  bodies.forEach((one, a) => bodies.slice(a + 1).forEach((two, k) => {
+    const mu = friction[one.material][two.material];
+    if (!(one.static && two.static) && mu !== Math.max(friction[one.material][one.material], friction[two.material][two.material])) {
+      lines.push(`<pair${attributes({geom1: `g${a}`, geom2: `g${a + 1 + k}`, condim: mu > 0 ? 3 : 1, friction: [mu, mu, 0, 0, 0]})}/>`);
+    }
+  }));
+  return lines.join('');
+}
+
+function modelText(setup) {
+  const {options} = setup;
+  const solids = setup.solids.map((solid, index) => {
+    const body = setup.bodies.find((b) => b.shape.solid === index);
+    return body ? `<mesh${attributes({name: `solid${index}`, vertex: Array.from(principalVertices(solidOf(setup, body), Float64Array))})}/>` : '';
+  });
+  const option = attributes({timestep: setup.dt, gravity: setup.gravity, solver: SOLVERS[setup.profile], cone: CONES[options.cone], iterations: options.iterations,
+    tolerance: options.tolerance, impratio: options.impratio, noslip_iterations: options.noslip_iterations});
+  const global = attributes({solref: [options.solref_time, options.solref_damping], solimp: [options.solimp_dmin, options.solimp_dmax, options.solimp_width, 0.5, 2]});
+  return `<mujoco><compiler angle="radian" boundmass="0" boundinertia="0" balanceinertia="false" inertiafromgeom="false" fusestatic="false" discardvisual="false"/>
+<option${option}><flag${attributes({multiccd: options.multiccd ? 'enable' : 'disable', nativeccd: options.nativeccd ? 'enable' : 'disable'})}/></option>
+<default><geom${global}/><pair${global}/></default><asset>${solids.join('')}</asset>
+<worldbody>${setup.bodies.map((body, index) => bodyText(setup, body, index)).join('\n')}</worldbody><contact>${pairElements(setup)}</contact></mujoco>`;
+}
+
+function check(setup) {
+  if (setup.bodies.some((body) => body.shape.type === 'mesh')) {
+    throw new Unsupported('MuJoCo replaces a mesh by its convex hull');
+  }
+  if (setup.restitution.some((row) => row.some((e) => e > 0))) {
+    throw new Unsupported('MuJoCo has no restitution');
+  }
+  if (setup.friction.some((row) => row.some((mu) => mu > 0 && mu < LEAST_FRICTION))) {
+    throw new Unsupported(`MuJoCo's least friction is ${LEAST_FRICTION}`);
+  }
+}
+
+/* ---- The scene ---- */
+
+function create(setup) {
+  check(setup);
+  const model = mujoco.MjModel.from_xml_string(modelText(setup));
+  const data = new mujoco.MjData(model);
+  const kind = (name) => mujoco.mjtObj[name].value;
+  const bodyOf = setup.bodies.map((_, i) => mujoco.mj_name2id(model, kind('mjOBJ_BODY'), `b${i}`));
+  const indexOfGeom = new Map(setup.bodies.map((_, i) => [mujoco.mj_name2id(model, kind('mjOBJ_GEOM'), `g${i}`), i]));
+  const jointOf = setup.bodies.map((b, i) => (b.static ? -1 : mujoco.mj_name2id(model, kind('mjOBJ_JOINT'), `j${i}`)));
+  const position = jointOf.map((j) => (j < 0 ? -1 : model.jnt_qposadr[j]));
+  const velocity = jointOf.map((j) => (j < 0 ? -1 : model.jnt_dofadr[j]));
+  setup.bodies.forEach((body, i) => {
+    if (!body.static) {
+      const {orientation} = principalPose(setup, body);
+      data.qvel.set(body.velocity, velocity[i]);
+      data.qvel.set(rotate(inverse(normalized(orientation)), body.angular_velocity), velocity[i] + 3);
+    }
+  });
+  mujoco.mj_forward(model, data);
+  const pose = (i) => Array.from(data.qpos.subarray(position[i], position[i] + 7));
+  let contacts = [];
+
+  /** What the solver of the present step worked with: before the positions move. */
+  function record() {
+    contacts = [];
+    const force = new mujoco.DoubleBuffer(6);
+    for (let i = 0; i < data.ncon; ++i) {
+      const contact = data.contact.get(i);
+      if (contact.efc_address >= 0) {
+        mujoco.mj_contactForce(model, data, i, force);
+        const [f, frame] = [force.GetView(), contact.frame];
+        const impulse = [0, 1, 2].map((k) => setup.dt * (f[0] * frame[k] + f[1] * frame[3 + k] + f[2] * frame[6 + k]));
+        contacts.push(indexOfGeom.get(contact.geom1), indexOfGeom.get(contact.geom2), ...contact.pos, ...frame.subarray(0, 3), contact.dist, ...impulse);
+      }
+      contact.delete();
+    }
+    force.delete();
+  }
+
+  return {
+    step(number) {
+      mujoco.mj_step1(model, data);
+      data.xfrc_applied.fill(0);
+      applyForces(setup, number, (i) => pose(i).slice(3), (i, force, torque) => {
+        const at = 6 * bodyOf[i];
+        [...force, ...torque].forEach((value, k) => {
+          data.xfrc_applied[at + k] += value;
+        });
+      });
+      mujoco.mj_step2(model, data);
+      return {iterations: Math.max(0, ...data.solver_niter), contacts: data.ncon};
+    },
+    readFrame(frame) {
+      setup.bodies.forEach((body, i) => {
+        if (body.static) {
+          const at = 13 * i;
+          frame.set([...body.position, ...body.orientation], at);
+          frame.fill(0, at + 7, at + 13);
+          return;
+        }
+        const [x, q] = [pose(i).slice(0, 3), pose(i).slice(3)];
+        const v = Array.from(data.qvel.subarray(velocity[i], velocity[i] + 6));
+        writeState(frame, setup, i, x, q, v.slice(0, 3), rotate(q, v.slice(3)));
+      });
+    },
+    readContacts() {
+      record();
+      return contacts;
+    },
+    settings: () => ({
+      gravity: Array.from(model.opt.gravity), dt: model.opt.timestep,
+      mass: setup.bodies.map((b, i) => (b.static ? 0 : model.body_mass[bodyOf[i]])),
+      inertia: setup.bodies.map((b, i) => (b.static ? [0, 0, 0] : Array.from(model.body_inertia.subarray(3 * bodyOf[i], 3 * bodyOf[i] + 3)))),
+      linear_damping: Math.max(0, ...model.dof_damping), angular_damping: Math.max(0, ...model.dof_damping),
+    }),
+    destroy() {
+      data.delete();
+      model.delete();
+    },
+  };
+}
+
+const tuned = (min, max, logarithmic) => ({profiles: ['default', 'recommended'], min, max, logarithmic});
+
+serve({
+  name: 'mujoco3',
+  version: mujoco.mj_versionString(),
+  description: 'MuJoCo: soft contacts, by convex optimisation',
+  runtime: 'webassembly',
+  precision: 'double',
+  integrator: 'semi-implicit Euler',
+  gyroscopic: 'explicit',
+  capabilities: ['friction', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull'],
+  contacts: ['points', 'impulses'],
+  reads: ['settings'],
+  profiles: [
+    {name: 'default', help: "Newton's method and pyramidal cones, as shipped", in_default_comparison: true, step_code: 'model->opt.timestep = {}; mj_step(model, data);'},
+    {name: 'recommended', help: "as MuJoCo's documentation has it against slip and penetration", in_default_comparison: true,
+      step_code: 'model->opt.timestep = {}; mj_step(model, data);', values: {cone: 1, tolerance: 1e-10, impratio: 10, solimp_dmin: 0.99, solimp_dmax: 0.999}},
+  ],
+  options: [
+    {name: 'iterations', value: 100, min: 1, max: 1e6, integer: true, help: 'iterations of the solver, at most', code: 'model->opt.iterations = {};', tune: tuned(2, 200, true)},
+    {name: 'tolerance', value: 1e-8, min: 0, max: 1, help: 'improvement at which the solver ends', code: 'model->opt.tolerance = {};'},
+    {name: 'cone', value: 0, min: 0, max: 1, integer: true, help: '0: pyramid, 1: elliptic', code: 'model->opt.cone = {};', tune: tuned(0, 1, false)},
+    {name: 'impratio', value: 1, min: 1e-3, max: 1e6, help: 'impedance of friction over that of normal forces', code: 'model->opt.impratio = {};', tune: tuned(1, 100, true)},
+    {name: 'noslip_iterations', value: 0, min: 0, max: 1e6, integer: true, help: 'sweeps of the Noslip solver', code: 'model->opt.noslip_iterations = {};'},
+    {name: 'solref_time', value: 0.02, min: 1e-6, max: 10, unit: 's', help: 'time constant of contacts', code: 'geom->solref[0] = {};', tune: tuned(0.002, 0.05, true)},
+    {name: 'solref_damping', value: 1, min: 0.01, max: 100, help: 'damping ratio of contacts', code: 'geom->solref[1] = {};'},
+    {name: 'solimp_dmin', value: 0.9, min: 0, max: 1, help: 'impedance of contacts at depth 0', code: 'geom->solimp[0] = {};'},
+    {name: 'solimp_dmax', value: 0.95, min: 0, max: 1, help: 'impedance of contacts at depth solimp_width', code: 'geom->solimp[1] = {};'},
+    {name: 'solimp_width', value: 0.001, min: 1e-9, max: 10, unit: 'm', help: 'depth over which the impedance grows', code: 'geom->solimp[2] = {};'},
+    {name: 'multiccd', value: 1, min: 0, max: 1, integer: true, help: 'several points of a pair that has no collider of its own', code: 'multiccd'},
+    {name: 'nativeccd', value: 1, min: 0, max: 1, integer: true, help: "MuJoCo's own convex collision detection, in place of libccd", code: 'nativeccd'},
+  ],
+  create,
+});

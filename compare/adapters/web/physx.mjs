@@ -1,0 +1,238 @@
+// PhysX 5, single precision, built to WebAssembly by npm's physx-js-webidl.
+//
+// Sleeping, stabilization, angular damping (0.05 as shipped) and the limit of angular speed are off, and the gyroscopic
+// torque is on. Capsules and cylinders have their axis along x, and are turned; a cylinder is a convex core without a
+// margin. A moving triangle mesh needs the graphics processor: meshes are unsupported.
+//
+// PhysX combines the coefficients of two materials by a rule. Where no rule gives all pairs theirs, a body has several
+// shapes (materials.mjs). Contact reports have the normal part of an impulse only, so that contacts are points.
+import {serve} from './protocol.mjs';
+import {applyForces, principalPose, principalVertices, product, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
+import {colliderPlan, rules} from './materials.mjs';
+import {readFileSync} from 'node:fs';
+import {fileURLToPath} from 'node:url';
+import initPhysX from 'physx-js-webidl';
+
+// The package is built for browsers and refuses node by name. Nothing in it needs a browser but the loading of its
+// WebAssembly, which is given to it.
+const wasm = fileURLToPath(import.meta.resolve('physx-js-webidl')).replace(/mjs$/, 'wasm');
+const {versions} = process;
+globalThis.window = globalThis;
+Object.defineProperty(process, 'versions', {value: {}, configurable: true});
+const Px = await initPhysX({wasmBinary: readFileSync(wasm)});
+Object.defineProperty(process, 'versions', {value: versions});
+const VERSION = Px.PHYSICS_VERSION;
+const NO_LIMIT = 1e9;
+const GYROSCOPIC_FORCES = 1 << 10; // PxRigidBodyFlag::eENABLE_GYROSCOPIC_FORCES, which the package has no name for
+
+const foundation = Px.CreateFoundation(VERSION, new Px.PxDefaultAllocator(), new Px.PxDefaultErrorCallback());
+const scale = new Px.PxTolerancesScale();
+const physics = Px.CreatePhysics(VERSION, foundation, scale);
+const shapeFlags = new Px.PxShapeFlags(Px.PxShapeFlagEnum.eSIMULATION_SHAPE);
+const array = ({x, y, z}) => [x, y, z];
+const arrayOf = ({w, x, y, z}) => [w, x, y, z];
+const xToZ = [Math.SQRT1_2, 0, -Math.SQRT1_2, 0];
+
+/** Calls use(object) and frees the object. */
+function using(object, use) {
+  const result = use(object);
+  Px.destroy(object);
+  return result;
+}
+
+const withVector = ([x, y, z], use) => using(new Px.PxVec3(x, y, z), use);
+const withPose = (position, [w, x, y, z], use) => withVector(position, (p) => using(new Px.PxQuat(x, y, z, w), (q) => using(new Px.PxTransform(p, q), use)));
+
+const modes = {average: 'eAVERAGE', min: 'eMIN', multiply: 'eMULTIPLY', max: 'eMAX'};
+const modeOf = (rule) => Px.PxCombineModeEnum[modes[rule]];
+const ruleOf = (mode) => Object.keys(modes).find((rule) => modeOf(rule) === mode);
+
+function hullOf(vertices) {
+  const points = new Px.Vector_PxVec3();
+  for (let i = 0; i < vertices.length; i += 3) {
+    withVector(vertices.subarray(i, i + 3), (v) => points.push_back(v));
+  }
+  const desc = new Px.PxConvexMeshDesc();
+  desc.flags = new Px.PxConvexFlags(Px.PxConvexFlagEnum.eCOMPUTE_CONVEX);
+  desc.points.count = points.size();
+  desc.points.stride = 12;
+  desc.points.data = points.data();
+  const mesh = using(new Px.PxCookingParams(scale), (params) => Px.CreateConvexMesh(params, desc));
+  Px.destroy(desc);
+  Px.destroy(points);
+  return using(new Px.PxMeshScale(), (unit) => new Px.PxConvexMeshGeometry(mesh, unit));
+}
+
+/** The geometry of a body, and how it is turned in its principal frame. */
+function geometryOf(setup, body) {
+  const {shape} = body;
+  switch (shape.type) {
+    case 'plane':
+      return {geometry: new Px.PxPlaneGeometry(), turn: xToZ};
+    case 'sphere':
+      return {geometry: new Px.PxSphereGeometry(shape.radius)};
+    case 'box':
+      return {geometry: new Px.PxBoxGeometry(...shape.half_extents)};
+    case 'capsule':
+      return {geometry: new Px.PxCapsuleGeometry(shape.radius, shape.half_height), turn: xToZ};
+    case 'cylinder':
+      return {geometry: using(new Px.PxConvexCoreCylinder(2 * shape.half_height, shape.radius), (core) => Px.PxConvexCoreGeometryFactory.prototype.createFromCylinder(core, 0)), turn: xToZ};
+    default:
+      return {geometry: hullOf(principalVertices(solidOf(setup, body)))};
+  }
+}
+
+function addBody(scene, setup, body, plan, index) {
+  const {options} = setup;
+  const pose = body.shape.type === 'plane' ? {position: body.shape.normal.map((n) => n * body.shape.offset), orientation: rotationFromZ(body.shape.normal)} : principalPose(setup, body);
+  const actor = withPose(pose.position, pose.orientation, (t) => (body.static ? physics.createRigidStatic(t) : physics.createRigidDynamic(t)));
+  const {geometry, turn = [1, 0, 0, 0]} = geometryOf(setup, body);
+  const colliders = plan.of(body.material).map((c) => {
+    const material = physics.createMaterial(c.friction, c.friction, c.restitution);
+    material.setFrictionCombineMode(modeOf(plan.rule.friction));
+    material.setRestitutionCombineMode(modeOf(plan.rule.restitution));
+    const shape = physics.createShape(geometry, material, true, shapeFlags);
+    withPose([0, 0, 0], turn, (t) => shape.setLocalPose(t));
+    using(new Px.PxFilterData(c.member, c.meets, index, 0), (data) => shape.setSimulationFilterData(data));
+    shape.setContactOffset(options.contact_offset);
+    actor.attachShape(shape);
+    return {material: c.material, stored: material};
+  });
+  if (!body.static) {
+    actor.setMass(body.mass);
+    withVector(body.inertia, (inertia) => actor.setMassSpaceInertiaTensor(inertia));
+    withVector(body.velocity, (v) => actor.setLinearVelocity(v));
+    withVector(body.angular_velocity, (w) => actor.setAngularVelocity(w));
+    actor.setLinearDamping(0);
+    actor.setAngularDamping(0);
+    actor.setMaxAngularVelocity(NO_LIMIT);
+    actor.setSleepThreshold(0);
+    actor.setStabilizationThreshold(0);
+    actor.setRigidBodyFlag(GYROSCOPIC_FORCES, true);
+    actor.setSolverIterationCounts(options.iterations, options.velocity_iterations);
+  }
+  scene.addActor(actor);
+  return {actor, colliders};
+}
+
+/** Lets two shapes meet where their bits allow it, and asks for their contacts. */
+function filter() {
+  const made = new Px.PassThroughFilterShaderImpl();
+  const flags = Px.PxPairFlagEnum;
+  made.filterShader = (attributes0, member0, meets0, index0, w03, attributes1, member1, meets1) => {
+    made.outputPairFlags = flags.eSOLVE_CONTACT | flags.eDETECT_DISCRETE_CONTACT | flags.eNOTIFY_TOUCH_FOUND |
+      flags.eNOTIFY_TOUCH_PERSISTS | flags.eNOTIFY_CONTACT_POINTS;
+    return (member0 & meets1) !== 0 && (member1 & meets0) !== 0 ? Px.PxFilterFlagEnum.eDEFAULT : Px.PxFilterFlagEnum.eKILL;
+  };
+  return made;
+}
+
+function create(setup) {
+  const {options} = setup;
+  const plan = colliderPlan(setup, ['multiply', 'max', 'min', 'average'], 31);
+  let contacts = [];
+  const points = new Px.Vector_PxContactPairPoint(64);
+  const listener = new Px.PxSimulationEventCallbackImpl();
+  listener.onConstraintBreak = listener.onWake = listener.onSleep = listener.onTrigger = () => {};
+  listener.onContact = (headerAt, pairsAt, count) => {
+    const pairs = Px.wrapPointer(pairsAt, Px.PxContactPair);
+    for (let i = 0; i < count; ++i) {
+      const pair = Px.NativeArrayHelpers.prototype.getContactPairAt(pairs, i);
+      const [one, two] = [pair.get_shapes(0), pair.get_shapes(1)].map((s) => s.getSimulationFilterData().word2);
+      const found = pair.extractContacts(points.data(), 64);
+      for (let k = 0; k < found; ++k) {
+        const point = points.at(k); // its normal points from the second shape to the first
+        contacts.push(two, one, ...array(point.position), ...array(point.normal), point.separation);
+      }
+    }
+  };
+  const desc = new Px.PxSceneDesc(scale);
+  const shader = filter();
+  withVector(setup.gravity, (g) => {
+    desc.gravity = g;
+  });
+  desc.simulationEventCallback = listener;
+  desc.cpuDispatcher = Px.DefaultCpuDispatcherCreate(0);
+  desc.solverType = /^tgs/.test(setup.profile) || setup.profile === 'recommended' ? Px.PxSolverTypeEnum.eTGS : Px.PxSolverTypeEnum.ePGS;
+  desc.bounceThresholdVelocity = options.restitution_threshold;
+  Px.setupPassThroughFilterShader(desc, shader);
+  const scene = physics.createScene(desc);
+  Px.destroy(desc);
+  const bodies = setup.bodies.map((body, index) => addBody(scene, setup, body, plan, index));
+
+  return {
+    step(number) {
+      contacts = [];
+      applyForces(setup, number, (index) => arrayOf(bodies[index].actor.getGlobalPose().q), (index, force, torque) => {
+        withVector(force, (f) => bodies[index].actor.addForce(f));
+        withVector(torque, (t) => bodies[index].actor.addTorque(t));
+      });
+      scene.simulate(setup.dt);
+      scene.fetchResults(true);
+      return {iterations: options.iterations + options.velocity_iterations};
+    },
+    readFrame(frame) {
+      bodies.forEach(({actor}, index) => {
+        const body = setup.bodies[index];
+        if (body.shape.type === 'plane') {
+          writeState(frame, setup, index, body.position, body.orientation, [0, 0, 0], [0, 0, 0]);
+          return;
+        }
+        const pose = actor.getGlobalPose();
+        const [x, q] = [array(pose.p), arrayOf(pose.q)];
+        const [v, w] = body.static ? [[0, 0, 0], [0, 0, 0]] : [array(actor.getLinearVelocity()), array(actor.getAngularVelocity())];
+        writeState(frame, setup, index, x, q, v, w);
+      });
+    },
+    readContacts: () => contacts,
+    settings() {
+      const each = (read, still) => bodies.map(({actor}, i) => (setup.bodies[i].static ? still : read(actor)));
+      return {
+        gravity: array(scene.getGravity()), mass: each((a) => a.getMass(), 0), inertia: each((a) => array(a.getMassSpaceInertiaTensor()), [0, 0, 0]),
+        linear_damping: Math.max(0, ...each((a) => a.getLinearDamping(), 0)), angular_damping: Math.max(0, ...each((a) => a.getAngularDamping(), 0)),
+      };
+    },
+    pair(a, b) {
+      const meeting = (index, other) => bodies[index].colliders
+        .find(({material}) => material === null || material === setup.bodies[other].material).stored;
+      const [one, two] = [meeting(a, b), meeting(b, a)];
+      const higher = (read) => ruleOf(Math.max(read(one), read(two)));
+      return {
+        friction: rules[higher((m) => m.getFrictionCombineMode())].combine(one.getDynamicFriction(), two.getDynamicFriction()),
+        restitution: rules[higher((m) => m.getRestitutionCombineMode())].combine(one.getRestitution(), two.getRestitution()),
+      };
+    },
+    destroy() {
+      bodies.forEach(({actor}) => actor.release());
+      scene.release();
+      [listener, shader, points].forEach((object) => Px.destroy(object));
+    },
+  };
+}
+
+const shipped = new Px.PxSceneDesc(scale);
+const tuned = (min, max) => ({profiles: ['default', 'tgs'], min, max, logarithmic: true});
+
+serve({
+  name: 'physx',
+  version: `${VERSION >> 24}.${(VERSION >> 16) & 255}.${(VERSION >> 8) & 255}`,
+  description: 'PhysX: PGS or TGS with patch friction',
+  runtime: 'webassembly',
+  precision: 'float',
+  integrator: 'semi-implicit Euler',
+  gyroscopic: 'explicit',
+  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull'],
+  contacts: ['points'],
+  reads: ['settings', 'pairs'],
+  profiles: [
+    {name: 'default', help: 'projected Gauss-Seidel, as shipped', in_default_comparison: true, step_code: 'scene->simulate({});'},
+    {name: 'tgs', help: 'temporal Gauss-Seidel', in_default_comparison: true, step_code: 'scene->simulate({});'},
+  ],
+  options: [
+    {name: 'iterations', value: 4, min: 1, max: 255, integer: true, help: 'position iterations', code: 'body->setSolverIterationCounts({}, velocityIterations);', tune: tuned(1, 255)},
+    {name: 'velocity_iterations', value: 1, min: 0, max: 255, integer: true, help: 'velocity iterations', code: 'body->setSolverIterationCounts(positionIterations, {});'},
+    {name: 'restitution_threshold', value: shipped.bounceThresholdVelocity, min: 1e-6, max: 1e6, unit: 'm/s', help: 'slower impacts do not bounce', code: 'sceneDesc.bounceThresholdVelocity = {};'},
+    {name: 'contact_offset', value: 0.02, min: 1e-6, max: 1, unit: 'm', help: 'separation from which on contacts are made', code: 'shape->setContactOffset({});', tune: tuned(0.001, 0.1)},
+  ],
+  create,
+});
