@@ -1,0 +1,178 @@
+// Havok Physics, as Babylon.js ships it in WebAssembly (npm @babylonjs/havok), single precision.
+//
+// Bodies are always active; damping and speed limits are off. Havok's interface has no half-space: a plane is a box whose
+// top is the plane and which covers the scene's bounds. Moments of inertia are handed over for a mass of 1. Applied
+// forces are impulses before the step.
+//
+// Havok combines the coefficients of two materials by a rule. Where no rule gives all pairs theirs, a body is a container
+// of several shapes (materials.mjs). Collision events have one point a pair, so that contacts are not reported, and the
+// interface has no settings of the solver.
+import {serve} from './protocol.mjs';
+import {applyForces, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
+import {colliderPlan, rules} from './materials.mjs';
+import {readFileSync} from 'node:fs';
+import {fileURLToPath} from 'node:url';
+import initHavok from '@babylonjs/havok';
+
+const folder = fileURLToPath(import.meta.resolve('@babylonjs/havok')).replace(/lib\/.*$/, '');
+const Havok = await initHavok({wasmBinary: readFileSync(`${folder}lib/esm/HavokPhysics.wasm`)});
+const {version} = JSON.parse(readFileSync(`${folder}package.json`));
+const NO_LIMIT = 1e9;
+const IDENTITY = [0, 0, 0, 1];
+
+/** The value of a call [result, value...], or the result alone. */
+function done(returned) {
+  const [result, value] = Array.isArray(returned) ? returned : [returned];
+  if (result !== Havok.Result.RESULT_OK) {
+    throw new Error(`Havok answered ${Object.keys(Havok.Result).find((key) => Havok.Result[key] === result)}`);
+  }
+  return value;
+}
+
+const quaternion = ([w, x, y, z]) => [x, y, z, w];
+const fromQuaternion = ([x, y, z, w]) => [w, x, y, z];
+const modes = {multiply: Havok.MaterialCombine.MULTIPLY, max: Havok.MaterialCombine.MAXIMUM, min: Havok.MaterialCombine.MINIMUM, average: Havok.MaterialCombine.ARITHMETIC_MEAN};
+const ruleOf = (mode) => Object.keys(modes).find((rule) => modes[rule] === mode);
+
+function hullOf(vertices) {
+  const at = Havok._malloc(vertices.byteLength);
+  new Float32Array(Havok.HEAPU8.buffer).set(vertices, at / 4);
+  const shape = done(Havok.HP_Shape_CreateConvexHull(at, vertices.length / 3));
+  Havok._free(at);
+  return shape;
+}
+
+/** Half the width and depth of the box that stands for a plane, m. */
+const reach = (setup) => Math.max(...setup.upper.map((x, k) => x - setup.lower[k]), ...setup.upper.map(Math.abs), ...setup.lower.map(Math.abs));
+
+function shapeOf(setup, body) {
+  const {shape} = body;
+  switch (shape.type) {
+    case 'plane':
+      return done(Havok.HP_Shape_CreateBox([0, 0, -reach(setup)], IDENTITY, Array(3).fill(2 * reach(setup))));
+    case 'sphere':
+      return done(Havok.HP_Shape_CreateSphere([0, 0, 0], shape.radius));
+    case 'box':
+      return done(Havok.HP_Shape_CreateBox([0, 0, 0], IDENTITY, shape.half_extents.map((h) => 2 * h)));
+    case 'capsule':
+      return done(Havok.HP_Shape_CreateCapsule([0, 0, -shape.half_height], [0, 0, shape.half_height], shape.radius));
+    case 'cylinder':
+      return done(Havok.HP_Shape_CreateCylinder([0, 0, -shape.half_height], [0, 0, shape.half_height], shape.radius));
+    default:
+      return hullOf(principalVertices(solidOf(setup, body)));
+  }
+}
+
+/** The shapes of a body, one for each collider of the plan, and the one that holds them. */
+function collidersOf(setup, body, plan) {
+  const colliders = plan.of(body.material).map((c) => {
+    const shape = shapeOf(setup, body);
+    done(Havok.HP_Shape_SetMaterial(shape, [c.friction, c.friction, c.restitution, modes[plan.rule.friction], modes[plan.rule.restitution]]));
+    done(Havok.HP_Shape_SetFilterInfo(shape, [c.member, c.meets]));
+    return {material: c.material, shape};
+  });
+  if (colliders.length === 1) {
+    return {colliders, whole: colliders[0].shape};
+  }
+  const whole = done(Havok.HP_Shape_CreateContainer());
+  colliders.forEach(({shape}) => done(Havok.HP_Shape_AddChild(whole, shape, [[0, 0, 0], IDENTITY, [1, 1, 1]])));
+  return {colliders, whole};
+}
+
+function addBody(world, setup, body, plan) {
+  const {position, orientation} = body.shape.type === 'plane'
+    ? {position: body.shape.normal.map((n) => n * body.shape.offset), orientation: rotationFromZ(body.shape.normal)} : principalPose(setup, body);
+  const {colliders, whole} = collidersOf(setup, body, plan);
+  const id = done(Havok.HP_Body_Create());
+  done(Havok.HP_Body_SetShape(id, whole));
+  done(Havok.HP_Body_SetMotionType(id, body.static ? Havok.MotionType.STATIC : Havok.MotionType.DYNAMIC));
+  done(Havok.HP_Body_SetQTransform(id, [position, quaternion(orientation)]));
+  if (!body.static) {
+    done(Havok.HP_Body_SetMassProperties(id, [[0, 0, 0], body.mass, body.inertia.map((i) => i / body.mass), IDENTITY]));
+    done(Havok.HP_Body_SetLinearDamping(id, 0));
+    done(Havok.HP_Body_SetAngularDamping(id, 0));
+    done(Havok.HP_Body_SetLinearVelocity(id, body.velocity));
+    done(Havok.HP_Body_SetAngularVelocity(id, body.angular_velocity));
+  }
+  done(Havok.HP_World_AddBody(world, id, false));
+  if (!body.static) {
+    done(Havok.HP_Body_SetActivationControl(id, Havok.ActivationControl.ALWAYS_ACTIVE));
+  }
+  return {id, colliders, whole};
+}
+
+function create(setup) {
+  const plan = colliderPlan(setup, ['multiply', 'max', 'min', 'average'], 30);
+  const world = done(Havok.HP_World_Create());
+  done(Havok.HP_World_SetGravity(world, setup.gravity));
+  done(Havok.HP_World_SetIdealStepTime(world, setup.dt));
+  done(Havok.HP_World_SetSpeedLimit(world, NO_LIMIT, NO_LIMIT));
+  const bodies = setup.bodies.map((body) => addBody(world, setup, body, plan));
+  const poseOf = (index) => {
+    const [x, q] = done(Havok.HP_Body_GetQTransform(bodies[index].id));
+    return {x, q: fromQuaternion(q)};
+  };
+  return {
+    step(number) {
+      applyForces(setup, number, (index) => poseOf(index).q, (index, force, torque) => {
+        const {id} = bodies[index];
+        done(Havok.HP_Body_ApplyImpulse(id, poseOf(index).x, force.map((f) => f * setup.dt)));
+        done(Havok.HP_Body_ApplyAngularImpulse(id, torque.map((t) => t * setup.dt)));
+      });
+      done(Havok.HP_World_Step(world, setup.dt));
+      return {};
+    },
+    readFrame(frame) {
+      bodies.forEach(({id}, index) => {
+        const body = setup.bodies[index];
+        if (body.shape.type === 'plane') {
+          writeState(frame, setup, index, body.position, body.orientation, [0, 0, 0], [0, 0, 0]);
+          return;
+        }
+        const {x, q} = poseOf(index);
+        writeState(frame, setup, index, x, q, done(Havok.HP_Body_GetLinearVelocity(id)), done(Havok.HP_Body_GetAngularVelocity(id)));
+      });
+    },
+    settings() {
+      const each = (read, still) => bodies.map(({id}, i) => (setup.bodies[i].static ? still : read(id)));
+      const properties = each((id) => done(Havok.HP_Body_GetMassProperties(id)), null);
+      return {
+        mass: properties.map((p) => p?.[1] ?? 0), inertia: properties.map((p) => p?.[2].map((i) => i * p[1]) ?? [0, 0, 0]),
+        linear_damping: Math.max(0, ...each((id) => done(Havok.HP_Body_GetLinearDamping(id)), 0)),
+        angular_damping: Math.max(0, ...each((id) => done(Havok.HP_Body_GetAngularDamping(id)), 0)),
+      };
+    },
+    pair(a, b) {
+      const meeting = (index, other) => done(Havok.HP_Shape_GetMaterial(bodies[index].colliders
+        .find(({material}) => material === null || material === setup.bodies[other].material).shape));
+      const [one, two] = [meeting(a, b), meeting(b, a)];
+      return {friction: rules[ruleOf(one[3])].combine(one[1], two[1]), restitution: rules[ruleOf(one[4])].combine(one[2], two[2])};
+    },
+    destroy() {
+      bodies.forEach(({id, colliders, whole}) => {
+        Havok.HP_World_RemoveBody(world, id);
+        Havok.HP_Body_Release(id);
+        [...new Set([whole, ...colliders.map(({shape}) => shape)])].forEach((shape) => Havok.HP_Shape_Release(shape));
+      });
+      Havok.HP_World_Release(world);
+    },
+  };
+}
+
+serve({
+  name: 'havok',
+  version,
+  description: 'Havok Physics',
+  runtime: 'webassembly',
+  precision: 'float',
+  integrator: 'semi-implicit Euler',
+  gyroscopic: 'none',
+  substeps: 4,
+  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull'],
+  contacts: [],
+  reads: ['settings', 'pairs'],
+  profiles: [
+    {name: 'default', help: 'as shipped', in_default_comparison: true, step_code: 'HP_World_SetIdealStepTime(world, {}); HP_World_Step(world, {});'},
+  ],
+  create,
+});
