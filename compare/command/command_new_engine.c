@@ -1,4 +1,5 @@
-/* plumb new-engine DIR: an adapter with a toy engine that works, to start a plug-in from. */
+/* plumb new-engine DIR: a toy engine that works, to start an engine from: an adapter to be loaded, or
+ * with --process a program. */
 #include "request.h"
 
 #include "adapters/built_in.h"
@@ -15,17 +16,21 @@
 typedef struct options {
     pl_request request; /* names: the folder to make */
     const char *name;   /* NULL: after the folder */
+    bool process;       /* a program, in place of an adapter */
 } options;
 
 /* What is written, from files that compare/CMakeLists.txt builds into the program. */
 extern const char pl_engine_c[], pl_sphere_world_h[], pl_sphere_world_c[];
 extern const char pl_Makefile[], pl_README_md[], pl__gitignore[];
+extern const char pl_engine_py[], pl_engine_mjs[], pl_process_README_md[];
 extern const char pl_engine_abi_h[], pl_adapter_helpers_h[], pl_scene_data_h[], pl_status_h[];
 
-static const struct {
+typedef struct file {
     const char *path;
     const char *text;
-} FILES[] = {
+} file;
+
+static const file FILES[] = {
     {"engine.c", pl_engine_c},
     {"sphere_world.h", pl_sphere_world_h},
     {"sphere_world.c", pl_sphere_world_c},
@@ -37,10 +42,29 @@ static const struct {
     {"include/plumb/scene_data.h", pl_scene_data_h},
     {"include/plumb/status.h", pl_status_h},
 };
-enum { FILE_COUNT = sizeof FILES / sizeof FILES[0] };
+
+static const file PROCESS_FILES[] = {
+    {"engine.py", pl_engine_py},
+    {"engine.mjs", pl_engine_mjs},
+    {"README.md", pl_process_README_md},
+};
 
 static const char *const FOLDERS[] = {"include", "include/plumb"};
-enum { FOLDER_COUNT = sizeof FOLDERS / sizeof FOLDERS[0] };
+
+/* What a folder is made of. */
+typedef struct template
+{
+    const file *files; /* (file_count) */
+    int file_count;
+    const char *const *folders; /* (folder_count), each after the one that it is in */
+    int folder_count;
+}
+template;
+
+static const template ADAPTER = {FILES, sizeof FILES / sizeof *FILES, FOLDERS,
+                                 sizeof FOLDERS / sizeof *FOLDERS};
+static const template PROCESS = {PROCESS_FILES, sizeof PROCESS_FILES / sizeof *PROCESS_FILES, NULL,
+                                 0};
 
 /* What stands for the engine's name in those texts. */
 static const char PLACEHOLDER[] = "my_engine";
@@ -134,17 +158,17 @@ static char *join(const char *folder, const char *path)
 }
 
 /* Writes a file with the engine's name in the place of the placeholder. */
-static pl_status write_file(const char *folder, int file, const char *name, pl_error *error)
+static pl_status write_file(const char *folder, const file *from, const char *name, pl_error *error)
 {
     pl_text_buffer out = {0};
-    const char *rest = FILES[file].text;
+    const char *rest = from->text;
     for (const char *at = strstr(rest, PLACEHOLDER); at != NULL; at = strstr(rest, PLACEHOLDER)) {
         pl_text_add_bytes(&out, rest, (size_t)(at - rest));
         pl_text_add(&out, name);
         rest = at + strlen(PLACEHOLDER);
     }
     pl_text_add(&out, rest);
-    char *path = join(folder, FILES[file].path);
+    char *path = join(folder, from->path);
     pl_status status = out.failed || path == NULL
                            ? pl_fail(error, PL_NO_MEMORY, "out of memory")
                            : pl_write_text(path, out.data, out.length, error);
@@ -153,24 +177,28 @@ static pl_status write_file(const char *folder, int file, const char *name, pl_e
     return status;
 }
 
-static pl_status fill(const char *folder, const char *name, pl_error *error)
+static pl_status fill(const template *of, const char *folder, const char *name, pl_error *error)
 {
-    char *deepest = join(folder, FOLDERS[FOLDER_COUNT - 1]);
-    pl_status status = deepest == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                                       : pl_make_directories(deepest, error);
-    free(deepest);
-    for (int i = 0; i < FILE_COUNT && status == PL_OK; ++i) {
-        status = write_file(folder, i, name, error);
+    pl_status status = PL_OK;
+    for (int i = 0; i < of->folder_count && status == PL_OK; ++i) {
+        char *path = join(folder, of->folders[i]);
+        status = path == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
+                              : pl_make_directories(path, error);
+        free(path);
+    }
+    for (int i = 0; i < of->file_count && status == PL_OK; ++i) {
+        status = write_file(folder, &of->files[i], name, error);
     }
     return status;
 }
 
 /* Removes what fill wrote, as far as it came. */
-static void clear(const char *folder)
+static void clear(const template *of, const char *folder)
 {
-    for (int i = 0; i < FILE_COUNT + FOLDER_COUNT; ++i) {
-        char *path = join(folder, i < FILE_COUNT ? FILES[i].path
-                                                 : FOLDERS[FOLDER_COUNT - 1 - (i - FILE_COUNT)]);
+    for (int i = 0; i < of->file_count + of->folder_count; ++i) {
+        const int after = i - of->file_count;
+        char *path =
+            join(folder, after < 0 ? of->files[i].path : of->folders[of->folder_count - 1 - after]);
         if (path != NULL) {
             remove(path);
         }
@@ -180,7 +208,7 @@ static void clear(const char *folder)
 }
 
 /* Makes the folder under another name first, so that it is there whole or not at all. */
-static pl_status make(const char *path, const char *name, pl_error *error)
+static pl_status make(const template *of, const char *path, const char *name, pl_error *error)
 {
     char *temporary = NULL;
     if (asprintf(&temporary, "%s.%ld.tmp", path, (long)getpid()) < 0) {
@@ -191,16 +219,36 @@ static pl_status make(const char *path, const char *name, pl_error *error)
         status = pl_fail(error, PL_IO, "cannot make %s: %s", path, strerror(errno));
         goto cleanup;
     }
-    status = fill(temporary, name, error);
+    status = fill(of, temporary, name, error);
     if (status == PL_OK && rename(temporary, path) != 0) {
         status = pl_fail(error, PL_IO, "cannot make %s: %s", path, strerror(errno));
     }
     if (status != PL_OK) {
-        clear(temporary);
+        clear(of, temporary);
     }
 cleanup:
     free(temporary);
     return status;
+}
+
+static void print_word(const char *text)
+{
+    pl_text_buffer word = {0};
+    pl_text_add_shell(&word, text);
+    fputs(word.failed ? text : word.data, stdout);
+    pl_text_free(&word);
+}
+
+static void print_next_of_process(const char *path, const char *name)
+{
+    printf(
+        "%s: engine.py and engine.mjs are the same toy engine in two languages. Keep one, and put "
+        "yours in its place. Next:\n\n  cd ",
+        name);
+    print_word(path);
+    printf("\n  plumb check-engine 'exec:python3 engine.py'\n"
+           "  plumb compare cradle collision-train --engine 'exec:python3 engine.py' --engine "
+           "plumb\n");
 }
 
 static void print_next(const char *path, const char *name)
@@ -210,10 +258,7 @@ static void print_next(const char *path, const char *name)
            "\n"
            "  cd ",
            name);
-    pl_text_buffer word = {0};
-    pl_text_add_shell(&word, path);
-    fputs(word.failed ? path : word.data, stdout);
-    pl_text_free(&word);
+    print_word(path);
     printf(" && make\n"
            "  plumb check-engine ./%s.so\n"
            "  plumb compare roll-slope bounce --engine ./%s.so --engine plumb\n",
@@ -240,20 +285,24 @@ static int run(const pl_call *call)
         status = check_not_built_in(name, &error);
     }
     if (status == PL_OK) {
-        status = make(path, name, &error);
+        status = make(o.process ? &PROCESS : &ADAPTER, path, name, &error);
     }
     if (status == PL_OK) {
-        print_next(path, name);
+        (o.process ? print_next_of_process : print_next)(path, name);
     }
     free(path);
     pl_request_free(&o.request);
     return pl_call_end(call, status, &error, 0, PL_EXIT_OK);
 }
 
-static const pl_option OPTIONS[] = {{"name", "NAME", "Of the engine; by default that of the folder",
-                                     PL_OPTION_TEXT, .field = offsetof(options, name),
-                                     .letter = 'n'},
-                                    {0}};
+static const pl_option OPTIONS[] = {
+    {"name", "NAME", "Of the engine; by default that of the folder", PL_OPTION_TEXT,
+     .field = offsetof(options, name), .letter = 'n'},
+    {"process", NULL,
+     "Write an engine in Python and in JavaScript, which Plumb runs "
+     "as a program, in place of an adapter in C",
+     PL_OPTION_FLAG, .field = offsetof(options, process), .letter = 'p'},
+    {0}};
 
 const pl_command pl_command_new_engine = {
     .name = "new-engine",
@@ -262,8 +311,11 @@ const pl_command pl_command_new_engine = {
     .description =
         "Makes a folder with an adapter, through which plumb drives an engine, a toy engine of "
         "spheres and planes in C, a Makefile, a README and the headers: to be compiled, checked "
-        "and compared as it is. Then calls to an engine of your own replace those to the toy.",
+        "and compared as it is. Then calls to an engine of your own replace those to the toy. With "
+        "--process, the toy engine is a program that speaks plumb.engine/1.",
     .notes = "Examples:\n"
+             "  plumb new-engine --process my-engine\n"
+             "  plumb check-engine 'exec:python3 my-engine/engine.py'\n"
              "  plumb new-engine my-engine\n"
              "  make -C my-engine\n"
              "  plumb check-engine my-engine/my-engine.so",

@@ -3,12 +3,11 @@
 // Damping (0.01 as shipped) is off, and mass and inertia are those of the scene. A contact material for each pair of
 // materials gives it its coefficients, with cannon's own stiffness and relaxation. cannon has no capsules; it leaves the
 // gyroscopic torque out.
-import {serve} from './protocol.mjs';
+import {serve, versionOf} from './protocol.mjs';
 import {applyForces, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
-import {readFileSync} from 'node:fs';
 import * as CANNON from 'cannon-es';
 
-const {version} = JSON.parse(readFileSync(new URL('./node_modules/cannon-es/package.json', import.meta.url)));
+const version = versionOf('cannon-es');
 
 const vector = (v) => new CANNON.Vec3(...v);
 const quaternion = ([w, x, y, z]) => new CANNON.Quaternion(x, y, z, w);

@@ -6,13 +6,12 @@
 //
 // The contact listener gives every pair of bodies its coefficients, and records the contacts. Jolt's interface has
 // contact points, but not the impulses that the solver found.
-import {serve} from './protocol.mjs';
+import {serve, versionOf} from './protocol.mjs';
 import {applyForces, principalPose, principalVertices, solidOf, writeState} from './mechanics.mjs';
-import {readFileSync} from 'node:fs';
 import initJolt from 'jolt-physics/wasm-compat';
 
 const Jolt = await initJolt();
-const {version} = JSON.parse(readFileSync(new URL('./node_modules/jolt-physics/package.json', import.meta.url)));
+const version = versionOf('jolt-physics');
 
 const STATIC_LAYER = 0;
 const MOVING_LAYER = 1;

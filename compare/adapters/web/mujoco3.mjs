@@ -170,6 +170,8 @@ function create(setup) {
   };
 }
 
+const MODELING = 'MuJoCo documentation, Modeling, Algorithms and settings: ';
+const SLIP = 'MuJoCo documentation, Overview, Softness and slip: ';
 const tuned = (min, max, logarithmic) => ({profiles: ['default', 'recommended'], min, max, logarithmic});
 
 serve({
@@ -188,6 +190,14 @@ serve({
     {name: 'recommended', help: "as MuJoCo's documentation has it against slip and penetration", in_default_comparison: true,
       step_code: 'model->opt.timestep = {}; mj_step(model, data);', values: {cone: 1, tolerance: 1e-10, impratio: 10, solimp_dmin: 0.99, solimp_dmax: 0.999}},
   ],
+  sources: [
+    {profile: 'recommended', text: `${MODELING}"The Newton algorithm is the best choice for most models" (https://mujoco.readthedocs.io/en/stable/modeling.html)`},
+    {profile: 'recommended', option: 'cone', text: `${MODELING}"the best way to suppress it is to use elliptic cones, large impratio, and the Newton algorithm with very small tolerance"`},
+    {profile: 'recommended', option: 'tolerance', text: `${MODELING}Newton "should be used with aggressive tolerance values, say 1e-10"`},
+    {profile: 'recommended', option: 'impratio', text: `${MODELING}"large impratio" against slip; how large it does not say: 10`},
+    {profile: 'recommended', option: 'solimp_dmin', text: `${SLIP}"Increasing constraint impedance (first two elements of solimp)"; how far it does not say: 0.99`},
+    {profile: 'recommended', option: 'solimp_dmax', text: `${SLIP}"Increasing constraint impedance (first two elements of solimp)"; how far it does not say: 0.999`},
+  ],
   options: [
     {name: 'iterations', value: 100, min: 1, max: 1e6, integer: true, help: 'iterations of the solver, at most', code: 'model->opt.iterations = {};', tune: tuned(2, 200, true)},
     {name: 'tolerance', value: 1e-8, min: 0, max: 1, help: 'improvement at which the solver ends', code: 'model->opt.tolerance = {};'},
@@ -199,8 +209,8 @@ serve({
     {name: 'solimp_dmin', value: 0.9, min: 0, max: 1, help: 'impedance of contacts at depth 0', code: 'geom->solimp[0] = {};'},
     {name: 'solimp_dmax', value: 0.95, min: 0, max: 1, help: 'impedance of contacts at depth solimp_width', code: 'geom->solimp[1] = {};'},
     {name: 'solimp_width', value: 0.001, min: 1e-9, max: 10, unit: 'm', help: 'depth over which the impedance grows', code: 'geom->solimp[2] = {};'},
-    {name: 'multiccd', value: 1, min: 0, max: 1, integer: true, help: 'several points of a pair that has no collider of its own', code: 'multiccd'},
-    {name: 'nativeccd', value: 1, min: 0, max: 1, integer: true, help: "MuJoCo's own convex collision detection, in place of libccd", code: 'nativeccd'},
+    {name: 'multiccd', value: 1, min: 0, max: 1, integer: true, help: 'several points of a pair that has no collider of its own', code: 'if ({} == 0) model->opt.disableflags |= mjDSBL_MULTICCD;'},
+    {name: 'nativeccd', value: 1, min: 0, max: 1, integer: true, help: "MuJoCo's own convex collision detection, in place of libccd", code: 'if ({} == 0) model->opt.disableflags |= mjDSBL_NATIVECCD;'},
   ],
   create,
 });

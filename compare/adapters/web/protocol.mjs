@@ -11,6 +11,8 @@
 //
 // `setup` is the request create. Throw Unsupported for what the engine cannot simulate.
 import fs from 'node:fs';
+import path from 'node:path';
+import {fileURLToPath} from 'node:url';
 
 /** What an engine cannot simulate; its message is the reason. */
 export class Unsupported extends Error {}
@@ -19,6 +21,15 @@ const NUMBERS_A_BODY = 13;
 
 // Standard output belongs to the protocol: whatever a library prints goes to standard error. Import this file first.
 console.log = console.info = console.debug = console.warn = console.error;
+
+/** The version of an installed npm package. */
+export function versionOf(name) {
+  let folder = fileURLToPath(import.meta.resolve(name));
+  while (!folder.endsWith(`node_modules/${name}`)) {
+    folder = path.dirname(folder);
+  }
+  return JSON.parse(fs.readFileSync(`${folder}/package.json`)).version;
+}
 
 /* ---- Numbers: through descriptor 3 where it is a file, else as JSON arrays ---- */
 
