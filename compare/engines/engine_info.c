@@ -355,7 +355,10 @@ static void note_fault(known_info *known, const pl_process *process, const char 
         pl_file_hash(info->path, info->binary);
     }
     if (reason != NULL) {
-        snprintf(info->fault.reason, sizeof info->fault.reason, "%s", reason);
+        char line[201];
+        pl_process_last_line(process, line);
+        snprintf(info->fault.reason, sizeof info->fault.reason, "%s%s%s", reason,
+                 line[0] == '\0' ? "" : "; last line: ", line);
     } else if (strcmp(place, COMPLETE) == 0) {
         snprintf(info->fault.reason, sizeof info->fault.reason, "its description is damaged: %s",
                  PL_FOREIGN_DESCRIPTOR);

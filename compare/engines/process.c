@@ -285,8 +285,7 @@ void pl_process_free(pl_process *process)
     process->text = NULL;
 }
 
-/* The last line with something in it, of at most 200 bytes. */
-static void copy_last_line(const pl_process *process, char text[201])
+void pl_process_last_line(const pl_process *process, char text[201])
 {
     size_t end = process->tail_length;
     while (end > 0 && strchr(" \t\r\n", process->tail[end - 1]) != NULL) {
@@ -321,7 +320,7 @@ void pl_process_describe_end(const pl_process *process, double timeout, const ch
         snprintf(text, size, "it cannot answer: %s", PL_FOREIGN_DESCRIPTOR);
         return;
     }
-    copy_last_line(process, line);
+    pl_process_last_line(process, line);
     if (WIFSIGNALED(status)) {
         const char *name = sigabbrev_np(WTERMSIG(status));
         snprintf(how, sizeof how, "SIG%s%s", name == NULL ? "?" : name,

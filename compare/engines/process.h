@@ -72,6 +72,9 @@ void pl_process_kill(pl_process *process);
 /* Frees what an ended process holds. */
 void pl_process_free(pl_process *process);
 
+/* The last line that a process printed, of at most 200 bytes; control characters become '?'. */
+void pl_process_last_line(const pl_process *process, char text[201]);
+
 /* How an ended process ended, for people: "SIGSEGV WHERE; last line: ...", "it called exit(1)
  * WHERE", or "no end within TIMEOUT s: killed WHERE". Control characters become '?'. */
 void pl_process_describe_end(const pl_process *process, double timeout, const char *where,

@@ -1,5 +1,6 @@
 #include "isolated_run.h"
 
+#include "base/json_field.h"
 #include "results/run_verdict.h"
 
 #include <errno.h>
@@ -187,6 +188,19 @@ static json_t *missing_outcome(const pl_isolated_run *run)
     return pl_run_result_to_json(&outcome);
 }
 
+/* A program's own last words explain why it failed. */
+static void add_last_line(const pl_isolated_run *run, json_t *outcome)
+{
+    char line[201], reason[800];
+    pl_process_last_line(&run->process, line);
+    if (run->def.choice->engine->command != NULL && line[0] != '\0' &&
+        strcmp(pl_json_get_text(outcome, "outcome"), "crashed") == 0) {
+        snprintf(reason, sizeof reason, "%s; last line: %s", pl_json_get_text(outcome, "reason"),
+                 line);
+        json_object_set_new(outcome, "reason", pl_json_text(reason, strlen(reason)));
+    }
+}
+
 pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_t **result,
                                  pl_error *error)
 {
@@ -197,6 +211,8 @@ pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_
     if (!json_is_object(outcome) || !was_reported(run)) {
         json_decref(outcome);
         outcome = missing_outcome(run);
+    } else {
+        add_last_line(run, outcome);
     }
     if (process->stream != NULL && (fflush(process->stream) != 0 || ferror(process->stream))) {
         status = pl_fail(error, PL_IO, "trajectory: %s", strerror(errno));

@@ -171,8 +171,9 @@ static pl_status exchange(pl_channel *channel, const char *what, size_t *size, p
         struct pollfd polls[] = {
             {.fd = channel->output, .events = POLLIN},
             {.fd = sent < request->length ? channel->input : -1, .events = POLLOUT},
+            {.fd = channel->handle, .events = POLLIN},
         };
-        if (poll(polls, 2, -1) < 0 && errno != EINTR) {
+        if (poll(polls, 3, -1) < 0 && errno != EINTR) {
             return pl_fail(error, PL_IO, "poll: %s", strerror(errno));
         }
         if (polls[1].revents != 0) {
@@ -181,7 +182,9 @@ static pl_status exchange(pl_channel *channel, const char *what, size_t *size, p
             /* A program that reads no more has ended, or answers before it has read all. */
             sent = done > 0 ? sent + (size_t)done : errno == EPIPE ? request->length : sent;
         }
-        if (polls[0].revents != 0 && !take_output(channel)) {
+        /* A process that it has started may keep its output open. */
+        const bool is_over = polls[2].revents != 0 && polls[0].revents == 0;
+        if (is_over || (polls[0].revents != 0 && !take_output(channel))) {
             char how[96];
             const pl_status status = describe_end(channel, how, sizeof how);
             return pl_fail(error, status, "%s instead of answering %s%s", how, what,

@@ -66,11 +66,12 @@ function modelText(setup) {
     const body = setup.bodies.find((b) => b.shape.solid === index);
     return body ? `<mesh${attributes({name: `solid${index}`, vertex: Array.from(principalVertices(solidOf(setup, body), Float64Array))})}/>` : '';
   });
+  const memory = Math.min(1024, 16 + 2 * setup.bodies.length);
   const option = attributes({timestep: setup.dt, gravity: setup.gravity, solver: SOLVERS[setup.profile], cone: CONES[options.cone], iterations: options.iterations,
     tolerance: options.tolerance, impratio: options.impratio, noslip_iterations: options.noslip_iterations});
   const global = attributes({solref: [options.solref_time, options.solref_damping], solimp: [options.solimp_dmin, options.solimp_dmax, options.solimp_width, 0.5, 2]});
   return `<mujoco><compiler angle="radian" boundmass="0" boundinertia="0" balanceinertia="false" inertiafromgeom="false" fusestatic="false" discardvisual="false"/>
-<option${option}><flag${attributes({multiccd: options.multiccd ? 'enable' : 'disable', nativeccd: options.nativeccd ? 'enable' : 'disable'})}/></option>
+<size memory="${memory}M"/><option${option}><flag${attributes({multiccd: options.multiccd ? 'enable' : 'disable', nativeccd: options.nativeccd ? 'enable' : 'disable'})}/></option>
 <default><geom${global}/><pair${global}/></default><asset>${solids.join('')}</asset>
 <worldbody>${setup.bodies.map((body, index) => bodyText(setup, body, index)).join('\n')}</worldbody><contact>${pairElements(setup)}</contact></mujoco>`;
 }
@@ -114,8 +115,9 @@ function create(setup) {
   function record() {
     contacts = [];
     const force = new mujoco.DoubleBuffer(6);
+    const all = data.contact; // a new object each time, to be deleted
     for (let i = 0; i < data.ncon; ++i) {
-      const contact = data.contact.get(i);
+      const contact = all.get(i);
       if (contact.efc_address >= 0) {
         mujoco.mj_contactForce(model, data, i, force);
         const [f, frame] = [force.GetView(), contact.frame];
@@ -124,6 +126,7 @@ function create(setup) {
       }
       contact.delete();
     }
+    all.delete();
     force.delete();
   }
 
