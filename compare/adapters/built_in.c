@@ -25,6 +25,13 @@ const pl_built_in *pl_built_in_engines(int *count)
          .entry = pl_engine_mujoco
 #endif
         },
+        {.name = "dart",
+         .package = "libdart-dev",
+         .libraries = "libdart",
+#ifdef PLUMB_HAVE_DART
+         .entry = pl_engine_dart
+#endif
+        },
     };
     *count = (int)(sizeof all / sizeof *all);
     return all;

@@ -16,6 +16,9 @@ const pl_engine *pl_engine_bullet(void);
 /* The adapter of MuJoCo. It is not compiled when MuJoCo is absent from this build. */
 const pl_engine *pl_engine_mujoco(void);
 
+/* The adapter of DART. It is not compiled when DART is absent from this build. */
+const pl_engine *pl_engine_dart(void);
+
 /* A built-in engine. */
 typedef struct pl_built_in {
     const char *name;
