@@ -39,6 +39,13 @@ const pl_built_in *pl_built_in_engines(int *count)
          .entry = pl_engine_mujoco
 #endif
         },
+        {.name = "dart",
+         .package = "libdart-dev",
+         .libraries = "libdart",
+#ifdef PLUMB_HAVE_DART
+         .entry = pl_engine_dart
+#endif
+        },
         WEB("mujoco3", "mujoco3.mjs", "@mujoco/mujoco"),
         WEB("rapier", "rapier.mjs", "@dimforge/rapier3d-compat"),
         WEB("rapier-deterministic", "rapier.mjs deterministic",

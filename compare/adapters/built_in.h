@@ -16,6 +16,9 @@ const pl_engine *pl_engine_bullet(void);
 /* The adapter of MuJoCo. It is not compiled when MuJoCo is absent from this build. */
 const pl_engine *pl_engine_mujoco(void);
 
+/* The adapter of DART. It is not compiled when DART is absent from this build. */
+const pl_engine *pl_engine_dart(void);
+
 /* A built-in engine: one that is linked to the program, or an adapter of ours that is a program. */
 typedef struct pl_built_in {
     const char *name;
@@ -23,8 +26,7 @@ typedef struct pl_built_in {
     const char *libraries; /* base names of its shared libraries begin with one of these, separated
                               by blanks; "": it has none */
     pl_engine_entry entry; /* NULL: absent from this build, or a program */
-    const char
-        *script; /* file of adapters/web that node runs, with arguments; NULL: it is linked */
+    const char *script; /* of adapters/web, with arguments, which node runs; NULL: it is linked */
     const char *module; /* the npm package that the script needs */
 } pl_built_in;
 

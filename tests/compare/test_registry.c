@@ -122,9 +122,9 @@ static void in_folder(const char *rest, char spec[256])
 static void test_engines_are_listed_with_plumb_first(void **state)
 {
     (void)state;
-    static const char *const names[] = {
-        "plumb", "ode",   "bullet", "mujoco", "mujoco3", "rapier", "rapier-deterministic",
-        "jolt",  "physx", "havok",  "cannon"};
+    static const char *const names[] = {"plumb", "ode",     "bullet", "mujoco",
+                                        "dart",  "mujoco3", "rapier", "rapier-deterministic",
+                                        "jolt",  "physx",   "havok",  "cannon"};
     int count = 0;
     const pl_built_in *known = pl_built_in_engines(&count);
     assert_int_equal(count, (int)(sizeof names / sizeof *names));
