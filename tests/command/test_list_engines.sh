@@ -48,7 +48,7 @@ long_lines = [l for l in listed.splitlines() if len(l.encode()) > 120]
 if long_lines:
     wrong(f"lines of more than 120 bytes: {long_lines}")
 
-titles = {"plumb": "plumb", "ode": "ODE", "bullet": "Bullet", "mujoco": "MuJoCo"}
+titles = {"plumb": "plumb", "ode": "ODE", "bullet": "Bullet", "mujoco": "MuJoCo", "dart": "DART", "mujoco3": "MuJoCo 3", "rapier": "Rapier", "rapier-deterministic": "Rapier, deterministic", "jolt": "Jolt", "physx": "PhysX", "havok": "Havok", "cannon": "cannon-es"}
 rows = ""
 for word in words["words"]:
     rows += f"\n## {word['word'].capitalize()}\n\n| engine | meaning |\n|---|---|\n"
