@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
-# The built-in engines conform to the engine ABI, each profile of the default comparison.
+# The engines that are linked by default conform to the engine ABI, each profile of the default comparison.
 set -eu
 source "$SOURCE/tests/support/command.sh"
 
 readarray -t specs < <("$PLUMB" list engines --json | python3 -c '
 import json, sys
 for engine in json.load(sys.stdin):
+    if engine["name"] not in ("plumb", "ode", "bullet", "mujoco"):
+        continue
     for profile in engine.get("profiles", []):
         if profile["in_default_comparison"]:
             print(engine["name"] + ":" + profile["name"])')
