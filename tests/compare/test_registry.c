@@ -122,10 +122,10 @@ static void in_folder(const char *rest, char spec[256])
 static void test_engines_are_listed_with_plumb_first(void **state)
 {
     (void)state;
-    static const char *const names[] = {"plumb", "ode", "bullet", "mujoco"};
+    static const char *const names[] = {"plumb", "ode", "bullet", "mujoco", "dart"};
     int count = 0;
     const pl_built_in *known = pl_built_in_engines(&count);
-    assert_int_equal(count, 4);
+    assert_int_equal(count, 5);
     for (int i = 0; i < count; ++i) {
         assert_string_equal(known[i].name, names[i]);
         assert_non_null(known[i].package);
