@@ -120,6 +120,7 @@ only() {
 }
 only 'ode/' compare/adapters/ode
 only 'mujoco/mujoco' compare/adapters/mujoco
+only '(dart/[a-z]+/|Eigen/|assimp/)' compare/adapters/dart
 only 'bt[A-Z]|Bullet' compare/adapters/bullet_c.cpp
 only 'ccd/' compare/referee/geometry/gap_convex.c
 only 'nlopt' compare/studies/tune/tune_search.c
