@@ -39,13 +39,7 @@ const pl_built_in *pl_built_in_engines(int *count)
          .entry = pl_engine_mujoco
 #endif
         },
-        {.name = "dart",
-         .package = "libdart-dev",
-         .libraries = "libdart",
-#ifdef PLUMB_HAVE_DART
-         .entry = pl_engine_dart
-#endif
-        },
+        {.name = "dart", .package = "libdart-dev", .libraries = "", .path = PLUMB_DART_MODULE},
         WEB("mujoco3", "mujoco3.mjs", "@mujoco/mujoco"),
         WEB("rapier", "rapier.mjs", "@dimforge/rapier3d-compat"),
         WEB("rapier-deterministic", "rapier.mjs deterministic",
@@ -78,6 +72,9 @@ static bool has_program(const char *name)
 bool pl_built_in_is_present(const pl_built_in *built_in)
 {
     char path[4096];
+    if (built_in->path != NULL) {
+        return access(built_in->path, R_OK) == 0;
+    }
     if (built_in->script == NULL) {
         return built_in->entry != NULL;
     }

@@ -16,21 +16,21 @@ const pl_engine *pl_engine_bullet(void);
 /* The adapter of MuJoCo. It is not compiled when MuJoCo is absent from this build. */
 const pl_engine *pl_engine_mujoco(void);
 
-/* The adapter of DART. It is not compiled when DART is absent from this build. */
-const pl_engine *pl_engine_dart(void);
-
-/* A built-in engine: one that is linked to the program, or an adapter of ours that is a program. */
+/* A built-in engine: one that is linked to the program, a shared object that comes with it, or an adapter
+ * of ours that is a program. */
 typedef struct pl_built_in {
     const char *name;
     const char *package;   /* the packages that provide it; "" for our own */
     const char *libraries; /* base names of its shared libraries begin with one of these, separated
                               by blanks; "": it has none */
-    pl_engine_entry entry; /* NULL: absent from this build, or a program */
+    pl_engine_entry entry; /* NULL: absent from this build, or not linked */
+    const char *path;      /* of the shared object; NULL: it is none. "": absent from this build */
     const char *script; /* of adapters/web, with arguments, which node runs; NULL: it is linked */
     const char *module; /* the npm package that the script needs */
 } pl_built_in;
 
-/* Whether the engine can be run here: it is linked, or node and its npm package are installed. */
+/* Whether the engine can be run here: it is linked, its shared object was built, or node and its npm
+ * package are installed. */
 bool pl_built_in_is_present(const pl_built_in *built_in);
 
 /* The command that runs an engine that is a program, in `command` of that size; false: it is linked. */

@@ -141,7 +141,8 @@ static pl_status describe(const pl_engine_info *job, FILE *answer, json_t **desc
     pl_loaded_engine loaded;
     const int mapped = pl_mapped_file_count();
     report_stage(answer, "while it was loaded");
-    const char *libraries = job->built_in == NULL ? NULL : job->built_in->libraries;
+    const char *libraries =
+        job->built_in == NULL || job->path != NULL ? NULL : job->built_in->libraries;
     const pl_engine_origin origin = pl_engine_origin_of(job);
     pl_status status = pl_load_engine(&origin, &loaded, error);
     if (status == PL_OK) {
@@ -457,7 +458,7 @@ pl_status pl_engine_describe(const char *path, const char *command, const pl_bui
         return pl_fail(error, PL_NO_MEMORY, "out of memory for an engine");
     }
     known->info.spec = spec;
-    known->info.path = path == NULL ? NULL : spec;
+    known->info.path = path == NULL ? NULL : strdup(path);
     known->info.built_in = built_in;
     known->info.command = command == NULL ? NULL : strdup(command);
     pl_status status = ask(known, error);
@@ -465,6 +466,7 @@ pl_status pl_engine_describe(const char *path, const char *command, const pl_bui
         json_decref(known->description);
         free(known->defaults);
         free((char *)known->info.command);
+        free((char *)known->info.path);
         free(known);
         free(spec);
         return status;

@@ -96,7 +96,7 @@ pl_status pl_engine_of_build(const pl_built_in *built_in, const pl_engine_info *
             error, PL_UNSUPPORTED, "engine %s is absent: ./compare/run --with %s gets it (%s %s)",
             built_in->name, built_in->name, is_script ? "npm" : "Debian", built_in->package);
     }
-    return pl_engine_describe(NULL, is_script ? command : NULL, built_in, info, error);
+    return pl_engine_describe(built_in->path, is_script ? command : NULL, built_in, info, error);
 }
 
 static pl_status find_built_in(const char *name, const pl_engine_info **engine, pl_error *error)

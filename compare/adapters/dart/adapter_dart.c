@@ -10,7 +10,6 @@
  *
  * DART has no sleeping and no damping of its own. Its default step is 1/1000 s
  * (World.cpp); here it is the scene's. */
-#include "adapters/built_in.h"
 #include "dart_c.h"
 #include "plumb/adapter_helpers.h"
 #include "plumb/scenario.h"
@@ -285,7 +284,10 @@ static const pl_engine engine = {
     .read_contacts = dart_read_contacts,
 };
 
-const pl_engine *pl_engine_dart(void)
+/* The symbol that the harness looks up. */
+const pl_engine *plumb_engine(void);
+
+const pl_engine *plumb_engine(void)
 {
     return &engine;
 }
