@@ -15,7 +15,7 @@ plumb, path = sys.argv[1:]
 with open(path) as file:
     known = json.load(file)
 listed = subprocess.run([plumb, "list", "engines"], capture_output=True, text=True, check=True).stdout
-versions = dict(re.findall(r"^([a-z]+) +([0-9][0-9.]*) ", listed, re.M))
+versions = dict(re.findall(r"^([a-z0-9-]+) +([0-9][0-9.]*) ", listed, re.M))
 profiles = [f"{engine}:{profile}" for engine, names in known["profiles"].items() for profile in names]
 failures = []
 
