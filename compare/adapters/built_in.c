@@ -10,8 +10,8 @@ static const char FOLDER[] = PLUMB_WEB_FOLDER;
 
 #define WEB(engine, script_with_arguments, npm_package)                                            \
     {                                                                                              \
-        .name = engine, .package = npm_package, .libraries = "", .script = script_with_arguments,  \
-        .module = npm_package                                                                      \
+        .name = (engine), .package = (npm_package), .libraries = "",                               \
+        .script = (script_with_arguments), .module = (npm_package)                                 \
     }
 
 const pl_built_in *pl_built_in_engines(int *count)
