@@ -1,15 +1,16 @@
 /* DART 6.12 through dart_c.h.
  *
  * A profile is a solver and a collision detector. `default` is dart::simulation::World as it is
- * constructed: FCL on triangles, Dantzig's method, and PGS for a group where Dantzig fails. `pgs` has PGS
- * alone, with nothing behind it. The others have the default's solver with another detector. Bullet's is
- * left out: libdart-collision-bullet needs Bullet in single precision, whose libraries define 2146 of
- * the symbols of those in double precision, such as btTransform::getIdentity's object, which the
- * dynamic linker makes one for a process. There is no profile `recommended`: what DART's authors
- * advise for contacts is Bullet's detector (issues 860, 1065 and 1183 of dartsim/dart).
+ * constructed: FCL on triangles, Dantzig's method, and PGS for a group where Dantzig fails. `pgs`
+ * has PGS alone, with nothing behind it. The others have the default's solver with another
+ * detector. Bullet's is left out: libdart-collision-bullet needs Bullet in single precision, whose
+ * libraries define 2146 of the symbols of those in double precision, such as
+ * btTransform::getIdentity's object, which the dynamic linker makes one for a process. There is no
+ * profile `recommended`: what DART's authors advise for contacts is Bullet's detector (issues 860,
+ * 1065 and 1183 of dartsim/dart).
  *
- * DART has no sleeping and no damping of its own. Its default step is 1/1000 s
- * (World.cpp); here it is the scene's. */
+ * DART has no sleeping and no damping of its own. Its default step is 1/1000 s (World.cpp); here it
+ * is the scene's. */
 #include "dart_c.h"
 #include "plumb/adapter_helpers.h"
 #include "plumb/scenario.h"
@@ -51,6 +52,7 @@ static const pl_engine_profile profiles[PROFILE_COUNT] = {
                      .step_code = STEP_CODE},
     [PROFILE_ODE_COLLISION] = {.name = "ode-collision",
                                .help = "the default with ODE's collision detector",
+                               .in_default_comparison = true,
                                .step_code = STEP_CODE},
     [PROFILE_DART_COLLISION] =
         {.name = "dart-collision",

@@ -5,14 +5,14 @@
  * body is its centre of mass, and its axes are the principal ones.
  *
  * Pairs: a ContactConstraint takes its coefficients from the shapes' DynamicsAspect when it is
- * made, within ConstraintSolver::updateConstraints, which cannot be overridden. So dart_pairs.h says what
- * the shapes must store.
+ * made, within ConstraintSolver::updateConstraints, which cannot be overridden. So dart_pairs.h
+ * says what the shapes must store.
  *
- * Signs: Contact::normal points from the second object to the first, and Contact::force acts on
- * the first.
+ * Signs: Contact::normal points from the second object to the first, and Contact::force acts on the
+ * first.
  *
- * Two things differ from a world as shipped, and neither changes a motion: pairs of static bodies
- * are filtered, which would only use up contacts, and the solver counts its groups. */
+ * Two things differ from a world as shipped: pairs of static bodies are filtered, which would only
+ * use up contacts, and the solver counts its groups. */
 #include "dart_c.h"
 
 #include "dart_pairs.h"
@@ -306,12 +306,16 @@ bool is_solved(const collision::Contact &contact)
 
 void convert_contact(const pl_dart_world &world, const collision::Contact &contact, pl_contact &out)
 {
-    out.body_a = world.roles.at(contact.collisionObject1->getShapeFrame()).body;
-    out.body_b = world.roles.at(contact.collisionObject2->getShapeFrame()).body;
+    const int first = world.roles.at(contact.collisionObject1->getShapeFrame()).body;
+    const int second = world.roles.at(contact.collisionObject2->getShapeFrame()).body;
+    const bool in_order = first < second;
+    const double sign = in_order ? -1 : 1;
+    out.body_a = in_order ? first : second;
+    out.body_b = in_order ? second : first;
     out.separation = -contact.penetrationDepth;
     store(contact.point, out.point);
-    store(-contact.normal.normalized(), out.normal);
-    store(-contact.force * world.world->getTimeStep(), out.impulse);
+    store(sign * contact.normal.normalized(), out.normal);
+    store(sign * contact.force * world.world->getTimeStep(), out.impulse);
 }
 
 /* The shape of a body that is meant to meet `partner`; null when there is none. */

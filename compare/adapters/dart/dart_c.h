@@ -1,6 +1,6 @@
 /* A thin C interface over DART's public C++ classes. It converts conventions to those of
- * plumb/engine_abi.h: quaternions (w, x, y, z), normals from A to B, impulses on B. No C++ exception
- * passes through it. Bodies have the numbers of the scene. */
+ * plumb/engine_abi.h: quaternions (w, x, y, z), normals from A to B, impulses on B. No C++
+ * exception passes through it. Bodies have the numbers of the scene. */
 #ifndef PLUMB_DART_C_H
 #define PLUMB_DART_C_H
 
@@ -45,7 +45,7 @@ typedef struct pl_dart_world_def {
 /* A world of DART. */
 typedef struct pl_dart_world pl_dart_world;
 
-/* Makes a world with the bodies of the scene, at rest until stepped; the setup outlives it. Sets
+/* Makes a world with the bodies of the scene; the setup outlives it. Sets
  * *world, to NULL on failure. PL_UNSUPPORTED for a shape that the detector does not have,
  * PL_NO_MEMORY, PL_FAILED. The settings of contacts are DART's global variables: the world that was
  * made last has them. */

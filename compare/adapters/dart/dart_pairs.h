@@ -1,9 +1,11 @@
-/* What DART must store so that its rule of mixing gives every pair of materials its own coefficients.
+/* What DART must store so that its rule of mixing gives every pair of materials its own
+ * coefficients.
  *
- * DART stores a friction and a restitution with each shape of a body, not with a pair. A contact has the
- * lesser friction and the product of the restitutions (ContactConstraint.cpp, 6.12.1). Often numbers for each
- * material make that right. Where none do, a body gets its shape once for each material that it
- * can touch, and a filter lets each of these shapes meet just the one that is meant for it. */
+ * DART stores a friction and a restitution with each shape of a body, not with a pair. A contact
+ * has the lesser friction and the product of the restitutions (ContactConstraint.cpp, 6.12.1).
+ * Often numbers for each material make that right. Where none do, a body gets its shape once for
+ * each material that it can touch, and a filter lets each of these shapes meet just the one that is
+ * meant for it. */
 #ifndef PLUMB_DART_PAIRS_H
 #define PLUMB_DART_PAIRS_H
 
@@ -19,8 +21,8 @@ typedef struct pl_dart_pairs {
     int material_count;
     bool by_partner; /* a shape for each material that can be touched; else one for all */
     bool *touch;     /* (material_count x material_count): bodies of these materials can touch */
-    /* (material_count x material_count): what a shape of the first material stores for contacts with the
-     * second; the same for all partners unless by_partner. */
+    /* (material_count x material_count): what a shape of the first material stores for contacts
+     * with the second; the same for all partners unless by_partner. */
     pl_pair_coefficients *stored;
 } pl_dart_pairs;
 

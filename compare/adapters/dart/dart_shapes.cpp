@@ -1,9 +1,9 @@
 /* Planes: OdeCollisionDetector has half-spaces, and so have FCL's primitive shapes. Where FCL has
- * triangles, a PlaneShape becomes a sheet of 1000 m by 1000 m across the y axis, whatever its normal,
- * and DARTCollisionDetector has no planes: there a box stands for it.
+ * triangles, a PlaneShape becomes a sheet of 1000 m by 1000 m across the y axis, whatever its
+ * normal, and DARTCollisionDetector has no planes: there a box stands for it.
  *
- * FCL's triangles: a sphere is a polyhedron of 58 corners on it, 8 around and 7 high, and a cylinder
- * has 16 sides (FCLCollisionDetector.cpp, 6.12.1), also with primitive shapes.
+ * FCL's triangles: a sphere is a polyhedron of 58 corners on it, 8 around and 7 high, and a
+ * cylinder has 16 sides (FCLCollisionDetector.cpp, 6.12.1), also with primitive shapes.
  *
  * Hulls and meshes are MeshShapes, whose vertices Assimp keeps as floats, here in the principal
  * frame. DART 6.12 has no convex hulls of points. Capsules exist for ODE only: FCLCollisionDetector

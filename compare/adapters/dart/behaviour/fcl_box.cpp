@@ -1,6 +1,6 @@
-/* FCL's contacts of a cube on a slab that is tilted about its low edge by 0.01, 0.1 mm deep: by default all
- * shapes are triangles (the constructor of ConstraintSolver, 6.12.1), and all contacts of a pair of
- * triangles have its largest depth. So those on the line where the surfaces cross have it too.
+/* FCL's contacts of a cube that is tilted by 0.01 and stands in a slab with one edge, 0.1 mm deep.
+ * By default all shapes are triangles (the constructor of ConstraintSolver, 6.12.1), and contacts on
+ * the line where the surfaces cross, whose depth is 0, have the depth of the edge.
  * g++ -std=c++17 -I/usr/include/eigen3 fcl_box.cpp -ldart */
 #include <dart/collision/CollisionDetector.hpp>
 #include <dart/collision/CollisionGroup.hpp>

@@ -1,5 +1,5 @@
-/* FCL's spheres are polyhedra of 58 corners within the sphere: by default all shapes are triangles (the
- * constructor of ConstraintSolver, 6.12.1; dartsim/dart issue 59).
+/* FCL's spheres are polyhedra of 58 corners within the sphere: by default all shapes are triangles
+ * (the constructor of ConstraintSolver, 6.12.1; dartsim/dart issue 59).
  * g++ -std=c++17 -I/usr/include/eigen3 fcl_spheres.cpp -ldart */
 #include <dart/collision/CollisionDetector.hpp>
 #include <dart/collision/CollisionGroup.hpp>

@@ -1,6 +1,6 @@
 /* FCLCollisionDetector puts a sphere of 0.1 m in the place of a capsule, and a sheet across the y
- * axis in that of a plane; DARTCollisionDetector finds no contact of a cylinder (6.12.1, which says so
- * on the terminal).
+ * axis in that of a plane; DARTCollisionDetector finds no contact of a cylinder (6.12.1, which says
+ * so on the terminal).
  * g++ -std=c++17 -I/usr/include/eigen3 missing_shapes.cpp -ldart */
 #include <dart/collision/CollisionDetector.hpp>
 #include <dart/collision/CollisionGroup.hpp>
