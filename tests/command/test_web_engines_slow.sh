@@ -19,8 +19,7 @@ done
 [[ ${#present[@]} -gt 0 ]] || exit $((failed ? failed : 77))
 
 # What every adapter must get right, whatever its engine does.
-for check in initial-position quaternion-order initial-velocity body-order frame-of-step gravity angular-velocity \
-    given-inertia repeats independent-scenes; do
+for check in initial-position quaternion-order frame-of-step gravity angular-velocity given-inertia repeats; do
     checks+=(--check "$check")
 done
 "$PLUMB" check-engine "${present[@]}" "${checks[@]}" --timeout 60 --quiet >checked 2>&1 || note_failure "$(cat checked)"
