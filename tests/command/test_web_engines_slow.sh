@@ -4,7 +4,6 @@ set -eu
 source "$SOURCE/tests/support/command.sh"
 engines=(dart mujoco3 rapier rapier-deterministic jolt physx havok cannon)
 
-cmake --build "$BUILD" --target plumb_web_engines >installed 2>&1 || true
 "$PLUMB" doctor >doctor || note_failure "doctor: exit code $?"
 present=()
 for engine in "${engines[@]}"; do

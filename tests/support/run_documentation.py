@@ -5,8 +5,8 @@
 
 Commands are the lines of ```sh blocks, the lines after "$ " of ```console blocks, and code spans that begin
 with "plumb ". All commands of a page run in their order in one directory, which has links
-to the files of the repository's root, with plumb on the PATH; those of the page that plumb new-engine writes
-run in a folder that it made. A block
+to the files of the repository's root, with plumb on the PATH; those of the pages that plumb new-engine writes
+run in a folder that it made. A command whose engine is absent counts as not run. A block
 ```LANGUAGE NAME is written to the file NAME there. Commands that take minutes get further arguments that
 reduce them; the few that cannot run inside a test are only checked for existence.
 """
@@ -22,7 +22,7 @@ import time
 # The first pattern that matches a command adds these arguments to it.
 REDUCED = (
     (r"^plumb sweep (--suite canonical|wall-collapse )", "--duration 0.1 --timeout 5 --repeat 1 --vary dt=1/60"),
-    (r"^plumb sweep .*--suite", "--duration 0.1 --timeout 5"),
+    (r"^plumb sweep .*--suite", "--duration 0.1 --timeout 5 --engine plumb --engine ode"),
     (r"^plumb compare .*--suite", "--duration 0.1 --timeout 20"),
     (r"^plumb (compare|sweep|metamorphic) ", "--duration 0.1"),
     (r"^plumb run (pile|blocks) ", "--duration 0.02"),
@@ -36,7 +36,11 @@ NOT_RUN = (
     (r"^cmake --workflow", "this builds once more"),
     (r"^plumb solve --benchmark", "this takes ten minutes"),
 )
-TEMPLATE = "compare/template/README.md"
+# Pages that plumb new-engine writes, and how.
+TEMPLATES = {
+    "compare/template/README.md": [],
+    "compare/template/process/process_README.md": ["--process"],
+}
 PLACEHOLDER = re.compile(r"\.\.\.|…|\b[A-Z]{2,}\b|mine\.so")
 
 
@@ -100,10 +104,10 @@ def run_page(page, source, environment):
     with open(os.path.join(source, page), encoding="utf-8") as file:
         text = file.read()
     folder = tempfile.mkdtemp()
-    if page == TEMPLATE:
-        subprocess.run(["plumb", "new-engine", folder, "--name", "my_engine"], env=environment, check=True,
-                       stdout=subprocess.DEVNULL)
-    for name in os.listdir(source) if page != TEMPLATE else ():
+    if page in TEMPLATES:
+        subprocess.run(["plumb", "new-engine", folder, "--name", "my_engine", *TEMPLATES[page]], env=environment,
+                       check=True, stdout=subprocess.DEVNULL)
+    for name in os.listdir(source) if page not in TEMPLATES else ():
         if not name.startswith(".") and not name.startswith("build") and name != "report":
             os.symlink(os.path.join(source, name), os.path.join(folder, name))
     for number, kind, what in commands(text):
@@ -127,6 +131,10 @@ def run_page(page, source, environment):
         begin = time.monotonic()
         done = subprocess.run(["bash", "-c", command], cwd=folder, env=environment, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, check=False)
+        absent = re.search(rb"engine \S+ is absent|the program was not found", done.stdout) if done.returncode != 0 else None
+        if absent:
+            print(f"{where}: not run, {absent.group().decode()}: {what}")
+            continue
         count += 1
         print(f"{where}: {time.monotonic() - begin:.1f} s: {command}", flush=True)
         # A run whose outcome is not ok has worked: engines with their default settings do collapse.
