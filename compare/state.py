@@ -1,4 +1,5 @@
 """Writes STATE.md, the state of the engines, from what compare/state measured: state.py FOLDER."""
+import glob
 import json
 import re
 import sys
@@ -19,7 +20,7 @@ def document(name):
 
 runs = lines_of("runs/results.jsonl")
 engines = {engine["name"]: engine for engine in document("engines.json")}
-conformance = {entry["label"]: entry for entry in document("conformance.json")["engines"]}
+conformance = {entry["label"]: entry for path in glob.glob(f"{folder}/conformance-*.json") for entry in json.load(open(path))["engines"]}
 labels = sorted({run["label"] for run in runs}, key=lambda label: (label.split(":")[0] != "plumb", label))
 SUITES = ["canonical", "analytic", "hard", "chaotic"]
 TITLES = {"plumb": "plumb", "ode": "ODE", "bullet": "Bullet", "mujoco": "MuJoCo 2", "dart": "DART", "mujoco3": "MuJoCo 3", "rapier": "Rapier",
@@ -154,7 +155,7 @@ def speed_table():
         rows.append([names[pair["other"]], *cells])
     levels = [f"error {level['level']:.0e}" for level in sweep["pairs"][0]["levels"]] if sweep["pairs"] else []
     table(["engine", *levels], rows)
-    write("`plumb sweep tower slope-slide slope-tip rocket --engine plumb --engine ode --engine bullet --engine mujoco --engine dart:ode-collision --cpu-limit 20 --timeout 90 --jobs 2 --out speed`", "")
+    write("`plumb sweep tower slope-slide slope-tip rocket --engine plumb --engine ode --engine bullet --engine mujoco --engine dart:recommended --cpu-limit 20 --timeout 90 --jobs 2 --out speed`", "")
 
 
 def engine_findings(found):

@@ -5,9 +5,11 @@
  * has PGS alone, with nothing behind it. The others have the default's solver with another
  * detector. Bullet's is left out: libdart-collision-bullet needs Bullet in single precision, whose
  * libraries define 2146 of the symbols of those in double precision, such as
- * btTransform::getIdentity's object, which the dynamic linker makes one for a process. There is no
- * profile `recommended`: what DART's authors advise for contacts is Bullet's detector (issues 860,
- * 1065 and 1183 of dartsim/dart).
+ * btTransform::getIdentity's object, which the dynamic linker makes one for a process.
+ *
+ * recommended: ODE's detector, with more contacts, as Gazebo sets DART up, whose plugin DART's
+ * releases are tested with. What DART's authors advise for contacts is Bullet's detector (issues
+ * 860, 1065 and 1183 of dartsim/dart), which Gazebo had before. `sources` has the citations.
  *
  * DART has no sleeping and no damping of its own. Its default step is 1/1000 s (World.cpp); here it
  * is the scene's. */
@@ -19,7 +21,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PROFILE_DEFAULT, PROFILE_PGS, PROFILE_ODE_COLLISION, PROFILE_DART_COLLISION, PROFILE_COUNT };
+enum {
+    PROFILE_DEFAULT,
+    PROFILE_PGS,
+    PROFILE_ODE_COLLISION,
+    PROFILE_DART_COLLISION,
+    PROFILE_RECOMMENDED,
+    PROFILE_COUNT
+};
+
+enum { GAZEBO_MAX_CONTACTS = 10000 };
 
 enum {
     OPTION_ITERATIONS,
@@ -52,12 +63,15 @@ static const pl_engine_profile profiles[PROFILE_COUNT] = {
                      .step_code = STEP_CODE},
     [PROFILE_ODE_COLLISION] = {.name = "ode-collision",
                                .help = "the default with ODE's collision detector",
-                               .in_default_comparison = true,
                                .step_code = STEP_CODE},
     [PROFILE_DART_COLLISION] =
         {.name = "dart-collision",
          .help = "the default with DART's own collision detector: spheres and boxes",
          .step_code = STEP_CODE},
+    [PROFILE_RECOMMENDED] = {.name = "recommended",
+                             .help = "Dantzig's method and ODE's detector, as Gazebo sets DART up",
+                             .in_default_comparison = true,
+                             .step_code = STEP_CODE},
 };
 
 /* A line of code that sets an option of PGS. */
@@ -103,6 +117,24 @@ static const pl_engine_option options[OPTION_COUNT] = {
                                0, 0, 0, false},
 };
 
+#define GAZEBO_PLUGIN                                                                              \
+    "Gazebo's plugin for DART (https://github.com/gazebosim/gz-physics, "                          \
+    "dartsim/src/EntityManagementFeatures.cc)"
+
+static const pl_engine_source sources[] = {
+    {PROFILE_RECOMMENDED, NULL,
+     "ODE's detector: \"setCollisionDetector(dart::collision::OdeCollisionDetector::create())\" "
+     "of " GAZEBO_PLUGIN "; \"we started using Bullet ... and then ODE\" "
+     "(https://github.com/gazebosim/gz-sim/pull/684). Bullet's, which DART's authors advise "
+     "against inaccurate contact points (https://github.com/dartsim/dart/issues/860), cannot be "
+     "loaded next to Bullet in double precision"},
+    {PROFILE_RECOMMENDED, NULL,
+     "Dantzig's method as shipped: \"Dantzig for exact solves\" of contacts with friction (DART, "
+     "docs/background/lcp/07_selection-guide.md). PGS, which \"tends to provide more stable "
+     "results\" (https://github.com/dartsim/dart/issues/1068), is the profile pgs: towers fall"},
+    {PROFILE_RECOMMENDED, "max_contacts", "\"maxNumContacts = 10000\" of " GAZEBO_PLUGIN},
+};
+
 struct pl_engine_instance {
     const pl_scene *scene;
     pl_dart_world *world;
@@ -121,9 +153,15 @@ static void dart_destroy(pl_engine_instance *instance)
 
 static pl_dart_detector detector_of(int profile)
 {
-    return profile == PROFILE_ODE_COLLISION    ? PL_DART_ODE
-           : profile == PROFILE_DART_COLLISION ? PL_DART_OWN
-                                               : PL_DART_FCL;
+    switch (profile) {
+    case PROFILE_ODE_COLLISION:
+    case PROFILE_RECOMMENDED:
+        return PL_DART_ODE;
+    case PROFILE_DART_COLLISION:
+        return PL_DART_OWN;
+    default:
+        return PL_DART_FCL;
+    }
 }
 
 static pl_status dart_create(const pl_engine_setup *setup, pl_engine_instance **out,
@@ -242,16 +280,17 @@ static int dart_read_contacts(const pl_engine_instance *instance, pl_contact *co
     return pl_dart_read_contacts(instance->world, contacts, capacity);
 }
 
-/* DART's own, also those of a library that was built with others. */
+/* DART's own, also those of a library that was built with others; for `recommended`, that of
+ * `sources`. */
 static void dart_profile_defaults(int profile, double *values)
 {
     const pl_dart_settings defaults = pl_dart_defaults();
-    (void)profile;
     values[OPTION_ITERATIONS] = defaults.iterations;
     values[OPTION_DELTA_X] = defaults.delta_x;
     values[OPTION_RELATIVE_DELTA_X] = defaults.relative_delta_x;
     values[OPTION_RANDOM_ORDER] = defaults.random_order;
-    values[OPTION_MAX_CONTACTS] = defaults.max_contacts;
+    values[OPTION_MAX_CONTACTS] =
+        profile == PROFILE_RECOMMENDED ? GAZEBO_MAX_CONTACTS : defaults.max_contacts;
     values[OPTION_CFM] = defaults.cfm;
     values[OPTION_ERP] = defaults.erp;
     values[OPTION_ERROR_ALLOWANCE] = defaults.error_allowance;
@@ -274,6 +313,8 @@ static const pl_engine engine = {
     .substeps = 1,
     .profiles = profiles,
     .profile_count = PROFILE_COUNT,
+    .sources = sources,
+    .source_count = sizeof sources / sizeof sources[0],
     .options = options,
     .option_count = OPTION_COUNT,
     .profile_defaults = dart_profile_defaults,

@@ -174,5 +174,9 @@ serve({
   profiles: [
     {name: 'default', help: 'as shipped', in_default_comparison: true, step_code: 'HP_World_SetIdealStepTime(world, {}); HP_World_Step(world, {});'},
   ],
+  sources: [
+    {profile: 'default', text: 'no profile recommended: the interface has no setting of the solver (@babylonjs/havok, HavokPhysics.d.ts), and neither the documentation of Babylon.js (Physics V2: Using Havok, Rigid bodies, Performance tips, https://doc.babylonjs.com/features/featuresDeepDive/physics) nor the issues of https://github.com/BabylonJS/havok advise one'},
+    {profile: 'default', text: 'time step: HP_World_SetIdealStepTime takes the one "which you intend to call HP_World_Step()" with (HavokPhysics.d.ts); Babylon.js divides steps itself: "To increase physics resolution precision, set a small value (like 1 ms)" (IPhysicsEngine.setSubTimeStep)'},
+  ],
   create,
 });

@@ -231,8 +231,9 @@ serve({
       values: {iterations: 8, restitution_threshold: 0.2}},
   ],
   sources: [
-    {profile: 'recommended', text: 'TGS: "can lead to improved convergence and handle large mass ratios ... better" (PhysX documentation, PxSolverType, https://nvidia-omniverse.github.io/PhysX/physx/5.4.0/_api_build/struct_px_solver_type.html); the time step there is 1/120 s'},
-    {profile: 'recommended', option: 'iterations', text: 'min_position_iteration_count=8 of the example for contact-rich scenes (NVIDIA Isaac Lab, PhysX Configuration, https://isaac-sim.github.io/IsaacLab)'},
+    {profile: 'recommended', text: 'TGS: "can lead to improved convergence and handle large mass ratios ... better" (PhysX documentation, PxSolverType, https://nvidia-omniverse.github.io/PhysX/physx/5.6.0/_api_build/structPxSolverType.html)'},
+    {profile: 'recommended', text: 'time step: the example from Isaac Lab has 1/120 s'},
+    {profile: 'recommended', option: 'iterations', text: 'min_position_iteration_count=8 of the example "for a contact-rich manipulation task" (NVIDIA Isaac Lab, PhysX Configuration, https://isaac-sim.github.io/IsaacLab/develop/source/overview/core-concepts/physical-backends/physx/configuration.html)'},
     {profile: 'recommended', option: 'restitution_threshold', text: 'bounce_threshold_velocity=0.2 of the same example'},
   ],
   options: [
