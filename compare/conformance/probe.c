@@ -166,7 +166,16 @@ void pl_probe_create(pl_probe *probe)
         return;
     }
     pl_session_destroy(&probe->session);
-    if (pl_session_create(&probe->session, &probe->scene, &error) != PL_OK) {
+    const pl_status status = pl_session_create(&probe->session, &probe->scene, &error);
+    /* A profile may lack a shape that others of its engine have. None may lack spheres and planes. */
+    const uint32_t shapes =
+        pl_scene_needs(&probe->scene) &
+        (PL_NEEDS_BOX | PL_NEEDS_CAPSULE | PL_NEEDS_CYLINDER | PL_NEEDS_HULL | PL_NEEDS_MESH);
+    if (status == PL_UNSUPPORTED && shapes != 0) {
+        pl_probe_skip(probe, error.message);
+        return;
+    }
+    if (status != PL_OK) {
         pl_probe_fail(probe, "create accepts a scene that needs only what the engine claims",
                       error.message, "capabilities claims too much");
         return;

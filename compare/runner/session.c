@@ -337,6 +337,12 @@ pl_status pl_needs_check(const pl_scene *scene, const pl_engine_info *engine, pl
                         : pl_fail(error, PL_UNSUPPORTED, "%s lacks %s", engine->name, names);
 }
 
+/* How far the bounds of a scene go beyond where its bodies begin. A box that stands for a plane is as
+ * large as the bounds: engines in single precision lose accuracy on one of many kilometres, and the
+ * motion must not depend on how long it is watched. */
+static const double ROOM = 1000;    /* m */
+static const double ROOM_TIME = 60; /* s, at the largest initial speed, where that is more */
+
 void pl_scene_bounds(const pl_scene *scene, double lower[3], double upper[3])
 {
     double fastest = 0;
@@ -358,9 +364,7 @@ void pl_scene_bounds(const pl_scene *scene, double lower[3], double upper[3])
             upper[k] = fmax(upper[k], centre[k] + reach);
         }
     }
-    const double time = scene->duration;
-    const double g = pl_vec_length(pl_vec_of(scene->gravity));
-    const double further = fastest * time + 0.5 * g * time * time;
+    const double further = fmax(ROOM, ROOM_TIME * fastest);
     for (int k = 0; k < 3; ++k) {
         const bool empty = !(lower[k] <= upper[k]);
         lower[k] = (empty ? 0 : lower[k]) - further;

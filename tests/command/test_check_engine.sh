@@ -53,6 +53,17 @@ echo 'void quit(void); __attribute__((constructor)) void quit(void) { __builtin_
 cc -shared -fPIC -o trap.so trap.c
 expect 1 'FAIL  load .*' ./trap.so
 
+# A profile may refuse a shape that its engine claims, except spheres and planes.
+cat >picky.py <<'END'
+import json, sys
+for request in map(json.loads, sys.stdin):
+    hello = {"protocol": "plumb.engine/1", "name": "picky", "version": "1", "capabilities": ["plane", "sphere", "box"]}
+    answer = hello if request["request"] == "hello" else {"error": "none today", "unsupported": True}
+    print(json.dumps({"id": request["id"], **answer}), flush=True)
+END
+expect 0 'skip +box-rests +none today' 'exec:python3 picky.py' --check box-rests
+expect 1 'found +none today' 'exec:python3 picky.py' --check sphere-rests
+
 # What was found is kept when all checks were made with the profile's own options.
 expect 0 'conformance passed' plumb
 expect 0 'conformance passed' plumb:accurate,iterations=50000

@@ -8,6 +8,7 @@
 #include "runner/progress.h"
 #include "runner/resource_usage.h"
 #include "runner/run_once.h"
+#include "runner/session.h"
 
 #include <math.h>
 #include <signal.h>
@@ -45,6 +46,30 @@ static void test_plan_has_every_run_once_and_rotates_engines(void **state)
     for (int k = 0; k < 3; ++k) {
         assert_int_equal(first[k], 2); /* each engine goes first equally often */
     }
+}
+
+/* --- bounds --- */
+
+static void test_bounds_depend_on_the_start_alone(void **state)
+{
+    (void)state;
+    pl_body body = {.shape = {.kind = PL_SHAPE_SPHERE, .radius = 1},
+                    .position = {5, 0, 0},
+                    .orientation = {1, 0, 0, 0}};
+    pl_scene scene = {.bodies = &body, .body_count = 1, .gravity = {0, 0, -10}, .duration = 1};
+    double lower[3], upper[3], later_lower[3], later_upper[3];
+    pl_scene_bounds(&scene, lower, upper);
+    scene.duration = 1000;
+    pl_scene_bounds(&scene, later_lower, later_upper);
+    for (int k = 0; k < 3; ++k) {
+        assert_close(lower[k], (k == 0 ? 5 : 0) - 1001, 1e-12, 0);
+        assert_close(upper[k], (k == 0 ? 5 : 0) + 1001, 1e-12, 0);
+        assert_close(later_lower[k], lower[k], 0, 0);
+        assert_close(later_upper[k], upper[k], 0, 0);
+    }
+    body.velocity[1] = -30;
+    pl_scene_bounds(&scene, lower, upper);
+    assert_close(upper[0], 5 + 1801, 1e-12, 0);
 }
 
 static const char travel_scene[] =
@@ -357,6 +382,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plan_has_every_run_once_and_rotates_engines),
+        cmocka_unit_test(test_bounds_depend_on_the_start_alone),
         cmocka_unit_test(test_scene_file_overrides_drop_invalid_expectations),
         cmocka_unit_test(test_progress_bar_leaves_space_for_names),
         cmocka_unit_test(test_an_answer_larger_than_a_pipe_arrives_whole),

@@ -89,7 +89,7 @@ bool has_planes(const pl_dart_world_def &def)
 /* Half the width of the box that stands for a plane, m. */
 double plane_reach(const pl_engine_setup &setup)
 {
-    return std::fmax(1, (vector(setup.upper) - vector(setup.lower)).norm());
+    return (vector(setup.upper) - vector(setup.lower)).norm() / 2;
 }
 
 } // namespace

@@ -8,7 +8,7 @@
 // of several shapes (materials.mjs). Collision events have one point a pair, so that contacts are not reported, and the
 // interface has no settings of the solver.
 import {serve} from './protocol.mjs';
-import {applyForces, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
+import {applyForces, planeReach, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
 import {colliderPlan, rules} from './materials.mjs';
 import {readFileSync} from 'node:fs';
 import {fileURLToPath} from 'node:url';
@@ -42,14 +42,11 @@ function hullOf(vertices) {
   return shape;
 }
 
-/** Half the width and depth of the box that stands for a plane, m. */
-const reach = (setup) => Math.max(...setup.upper.map((x, k) => x - setup.lower[k]), ...setup.upper.map(Math.abs), ...setup.lower.map(Math.abs));
-
 function shapeOf(setup, body) {
   const {shape} = body;
   switch (shape.type) {
     case 'plane':
-      return done(Havok.HP_Shape_CreateBox([0, 0, -reach(setup)], IDENTITY, Array(3).fill(2 * reach(setup))));
+      return done(Havok.HP_Shape_CreateBox([0, 0, -planeReach(setup)], IDENTITY, Array(3).fill(2 * planeReach(setup))));
     case 'sphere':
       return done(Havok.HP_Shape_CreateSphere([0, 0, 0], shape.radius));
     case 'box':

@@ -7,7 +7,7 @@
 // The contact listener gives every pair of bodies its coefficients, and records the contacts. Jolt's interface has
 // contact points, but not the impulses that the solver found.
 import {serve, versionOf} from './protocol.mjs';
-import {applyForces, principalPose, principalVertices, solidOf, writeState} from './mechanics.mjs';
+import {applyForces, planeReach, principalPose, principalVertices, solidOf, writeState} from './mechanics.mjs';
 import initJolt from 'jolt-physics/wasm-compat';
 
 const Jolt = await initJolt();
@@ -57,10 +57,8 @@ function shapeOf(setup, body) {
   const {shape} = body;
   const radius = setup.options.convex_radius;
   switch (shape.type) {
-    case 'plane': {
-      const reach = Math.max(...setup.upper.map(Math.abs), ...setup.lower.map(Math.abs));
-      return using([vec3(shape.normal)], (n) => using([new Jolt.Plane(n, -shape.offset)], (plane) => new Jolt.PlaneShape(plane, null, reach)));
-    }
+    case 'plane':
+      return using([vec3(shape.normal)], (n) => using([new Jolt.Plane(n, -shape.offset)], (plane) => new Jolt.PlaneShape(plane, null, planeReach(setup))));
     case 'sphere':
       return new Jolt.SphereShape(shape.radius);
     case 'box':

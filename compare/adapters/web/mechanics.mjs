@@ -102,3 +102,6 @@ export function applyForces(setup, number, orientationOf, apply) {
     }
   });
 }
+
+/** The distance, m, from the origin within which a plane's stand-in has to be: that of the farthest corner of the bounds. */
+export const planeReach = ({lower, upper}) => Math.hypot(...lower.map((x, k) => Math.max(Math.abs(x), Math.abs(upper[k]))));
