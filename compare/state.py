@@ -1,34 +1,39 @@
 """Writes STATE.md, the state of the engines, from what compare/state measured: state.py FOLDER."""
 import glob
 import json
+import os
 import re
 import sys
 from collections import Counter, defaultdict
 
-folder = sys.argv[1]
+FOLDER = sys.argv[1]
+NOTES = os.path.join(os.path.dirname(sys.argv[0]), "state_notes.md")
+SUITES = ["canonical", "analytic", "hard", "chaotic"]
+UNKNOWN = "cause not known"
+# Name, adapter, and where its makers take objections.
+ENGINES = {
+    "plumb": ("plumb", "adapters/adapter_plumb.c", ""),
+    "ode": ("ODE", "adapters/ode", "https://bitbucket.org/odedevs/ode"),
+    "bullet": ("Bullet", "adapters/adapter_bullet.c", "https://github.com/bulletphysics/bullet3"),
+    "mujoco": ("MuJoCo 2", "adapters/mujoco", "https://github.com/google-deepmind/mujoco"),
+    "dart": ("DART", "adapters/dart", "https://github.com/dartsim/dart"),
+    "mujoco3": ("MuJoCo 3", "adapters/web/mujoco3.mjs", "https://github.com/google-deepmind/mujoco"),
+    "rapier": ("Rapier", "adapters/web/rapier.mjs", "https://github.com/dimforge/rapier"),
+    "rapier-deterministic": ("Rapier, deterministic build", "adapters/web/rapier.mjs", "https://github.com/dimforge/rapier"),
+    "jolt": ("Jolt", "adapters/web/jolt.mjs", "https://github.com/jrouwe/JoltPhysics"),
+    "physx": ("PhysX", "adapters/web/physx.mjs", "https://github.com/NVIDIA-Omniverse/PhysX"),
+    "havok": ("Havok", "adapters/web/havok.mjs", "https://github.com/BabylonJS/havok"),
+    "cannon": ("cannon-es", "adapters/web/cannon.mjs", "https://github.com/pmndrs/cannon-es"),
+}
+
+
+def text_of(name):
+    with open(os.path.join(FOLDER, name), encoding="utf-8") as file:
+        return file.read()
 
 
 def lines_of(name):
-    with open(f"{folder}/{name}") as file:
-        return [json.loads(line) for line in file]
-
-
-def document(name):
-    with open(f"{folder}/{name}") as file:
-        return json.load(file)
-
-
-runs = lines_of("runs/results.jsonl")
-engines = {engine["name"]: engine for engine in document("engines.json")}
-conformance = {entry["label"]: entry for path in glob.glob(f"{folder}/conformance-*.json") for entry in json.load(open(path))["engines"]}
-labels = sorted({run["label"] for run in runs}, key=lambda label: (label.split(":")[0] != "plumb", label))
-SUITES = ["canonical", "analytic", "hard", "chaotic"]
-TITLES = {"plumb": "plumb", "ode": "ODE", "bullet": "Bullet", "mujoco": "MuJoCo 2", "dart": "DART", "mujoco3": "MuJoCo 3", "rapier": "Rapier",
-          "rapier-deterministic": "Rapier, deterministic build", "jolt": "Jolt", "physx": "PhysX", "havok": "Havok", "cannon": "cannon-es"}
-OBJECT = {"ode": "https://bitbucket.org/odedevs/ode", "bullet": "https://github.com/bulletphysics/bullet3", "mujoco": "https://github.com/google-deepmind/mujoco",
-          "dart": "https://github.com/dartsim/dart", "mujoco3": "https://github.com/google-deepmind/mujoco", "rapier": "https://github.com/dimforge/rapier.js",
-          "rapier-deterministic": "https://github.com/dimforge/rapier.js", "jolt": "https://github.com/jrouwe/JoltPhysics.js",
-          "physx": "https://github.com/fabmax/physx-js-webidl", "havok": "https://github.com/BabylonJS/havok", "cannon": "https://github.com/pmndrs/cannon-es"}
+    return [json.loads(line) for line in text_of(name).splitlines()]
 
 
 def write(*lines):
@@ -42,144 +47,152 @@ def table(heads, rows):
     write("")
 
 
-def verdict(run):
-    return run["verdict"] or ("unsupported" if run["outcome"] == "unsupported" else "not judged")
+def engine_of(label):
+    return label.split(":")[0]
 
 
-def judged(label):
-    return [run for run in runs if run["label"] == label]
+class State:
+    """What was measured."""
+
+    def __init__(self):
+        self.runs = lines_of("runs/results.jsonl")
+        self.engines = {engine["name"]: engine for engine in json.loads(text_of("engines.json"))}
+        order = list(ENGINES)
+        self.labels = sorted({run["label"] for run in self.runs}, key=lambda label: (order.index(engine_of(label)), label.endswith(":recommended"), label))
+        self.suites_of = defaultdict(set)  # of a case of a suite, such as "tower n=100"
+        for suite in json.loads(text_of("suites.json")):
+            for case in suite["scenarios"]:
+                self.suites_of[case].add(suite["name"])
+        self.conformance = {}
+        for path in glob.glob(os.path.join(FOLDER, "conformance-*.json")):
+            with open(path, encoding="utf-8") as file:
+                self.conformance.update({entry["label"]: entry for entry in json.load(file)["engines"]})
+        self.findings = self.read_findings()
+
+    def case_of(self, run):
+        """The case of a suite that has the most of the run's parameters."""
+        def values(case):
+            return [assignment.split("=") for assignment in case.partition(" ")[2].split(",") if assignment]
+        fitting = [case for case in self.suites_of if case.split()[0] == run["scenario"] and
+                   all(float(run["params"].get(key, "nan")) == float(value) for key, value in values(case))]
+        return max(fitting, key=lambda case: len(values(case)))
+
+    def read_findings(self):
+        """Case, label, error, cause and evidence of each run that is not accurate, as the report has them."""
+        text = text_of("runs/summary.md")
+        part = text[text.index("\n## Findings"):]
+        part = part[:part.index("\n## ", 5)]
+        rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in part.splitlines() if line.startswith("| ")]
+        return [row for row in rows[1:] if engine_of(row[1]) != "plumb"]
+
+    def counts(self, label, suite=None):
+        return Counter(run["verdict"] or run["outcome"] for run in self.runs
+                       if run["label"] == label and (suite is None or suite in self.suites_of[self.case_of(run)]))
+
+    def failed_checks(self, label):
+        """How many checks were made, and the names of those that failed; None: it was not checked."""
+        entry = self.conformance.get(label)
+        return entry and (sum(check["outcome"] != "skipped" for check in entry["checks"]),
+                          [check["check"] for check in entry["checks"] if check["outcome"] == "failed"])
 
 
-def checks_of(label):
-    entry = conformance.get(label)
-    if entry is None:
-        return "not checked"
-    failed = [check["check"] for check in entry["checks"] if check["outcome"] == "failed"]
-    made = sum(check["outcome"] != "skipped" for check in entry["checks"])
-    return f"{made} passed" if not failed else f"{len(failed)} of {made} failed: {', '.join(failed)}"
-
-
-def number(value):
-    return "–" if value is None else f"{value:.3g}"
-
-
-def findings():
-    """Case, engine, error, cause and evidence of each run that is not accurate, as the report has them."""
-    with open(f"{folder}/runs/summary.md") as file:
-        text = file.read()
-    part = text[text.index("\n## Findings"):]
-    part = part[:part.index("\n## ", 5)]
-    rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in part.splitlines() if line.startswith("| ")]
-    return [row for row in rows[1:] if not row[1].startswith("plumb")]
-
-
-def introduction(found):
-    known = sum(row[3] != "cause not known" for row in found)
-    hosts = {run["host"]["cpu"] for run in runs}
-    best = Counter()
-    for label in labels:
-        best[label] = sum(verdict(run) == "accurate" for run in judged(label))
-    others = [label for label in best if not label.startswith("plumb:")]
-    first = max(others, key=lambda label: best[label])
-    worst = min(others, key=lambda label: best[label])
-    total = len(judged(labels[0]))
+def write_introduction(state):
+    others = [label for label in state.labels if engine_of(label) != "plumb"]
+    accurate = {label: state.counts(label)["accurate"] for label in state.labels}
+    best, worst = (choose(others, key=accurate.get) for choose in (max, min))
+    known = sum(row[3] != UNKNOWN for row in state.findings)
+    cpus = sorted({run["host"]["cpu"] for run in state.runs})
+    present = sum(engine["present"] for engine in state.engines.values())
     write("# The state of the engines", "",
-          f"Twelve engines, in {len(labels)} configurations, ran {total} scenes that have a right answer: a closed form, a conservation law, a known resting place or converged statistics. "
-          f"Plumb's own engine is accurate on {best['plumb:default']} of them. Of the others {first} is accurate on the most, {best[first]}, and {worst} on the fewest, {best[worst]}.", "",
-          "![How the engines end a collapsing wall, and the matrix of all scenes](report/state.png)", "",
-          "`./compare/state` makes this page and all of its numbers. It takes half an hour on two cores and goes on where it was stopped. "
-          "`plumb view state/runs` opens the whole report: a replay of every run, curves and tables.", "",
-          f"Measured with plumb {runs[0]['plumb']['version']} on {', '.join(sorted(hosts))}. A run may take 20 s of CPU time. "
-          f"{known} of {len(found)} findings have a cause that an experiment shows; of the others the cause is not known.", "")
+          f"{present} engines in {len(state.labels)} configurations ran {len({state.case_of(run) for run in state.runs})} scenes that have a right answer: a closed form, a conservation law, a known resting place or "
+          f"converged statistics. Plumb's own engine is accurate on {accurate['plumb:default']} of them. Of the others `{best}` is accurate on the most, {accurate[best]}, and `{worst}` on the fewest, {accurate[worst]}.", "",
+          "![The verdicts on all scenes, and how the engines end a collapsing wall](report/state.png)", "",
+          "`./compare/state` makes this page and all of its numbers, in half an hour on two cores. It goes on where it was stopped. `plumb view state/runs` opens the whole report: a replay of every run, "
+          "curves and tables.", "",
+          f"Measured with plumb {state.runs[0]['plumb']['version']} on {', '.join(cpus)}. A run ends after 20 s of the engine's CPU time. Of {len(state.findings)} findings {known} have a cause that an experiment shows.", "")
 
 
-def engine_table():
-    write("## Engines", "", "Each is as its makers ship it. `plumb list engines` prints every setting with its source.", "")
+def write_engines(state):
+    write("## Engines", "", "`shipped` has the makers' own defaults, `recommended` what they advise for stacking and accuracy. `plumb list engines NAME` prints every setting with its source.", "")
     rows = []
-    for name, engine in engines.items():
-        if not engine["present"]:
-            rows.append([TITLES[name], "absent", "", "", ""])
-            continue
-        label = f"{name}:{engine['profiles'][0]['name']}"
-        rows.append([TITLES[name], engine["version"], engine["runtime"], engine["precision"], checks_of(label)])
-    table(["engine", "version", "runs in", "precision", "`plumb check-engine`"], rows)
-    write("A failed check is the engine's own behaviour. These programs, which need the engine alone, show it: [adapters/web/behaviour](adapters/web/behaviour), "
-          "[adapters/dart/behaviour](adapters/dart/behaviour).", "")
+    for name, engine in state.engines.items():
+        title, adapter, _ = ENGINES[name]
+        checks = []
+        for profile in (profile["name"] for profile in engine.get("profiles", ())):
+            found = state.failed_checks(f"{name}:{profile}")
+            if found:
+                checks.append(f"`{profile}` passed {found[0]}" if not found[1] else f"`{profile}` failed {len(found[1])} of {found[0]}: {', '.join(found[1])}")
+        rows.append([f"[{title}]({adapter})", engine.get("version", "absent") if engine["present"] else "absent", engine.get("runtime", ""), engine.get("precision", ""), "; ".join(checks) or "not checked"])
+    table(["engine and its adapter", "version", "runs in", "precision", "checks of `plumb check-engine`"], rows)
+    write("Each failed check is the engine's own behaviour. Programs of at most 30 lines, which need the engine alone, show it: [adapters/web](adapters/web/README.md#what-the-engines-do), "
+          "[adapters/dart](adapters/dart/README.md).", "")
 
 
-def verdict_table():
-    write("## Verdicts", "", "Accurate / inaccurate / failed, of the scenes of each suite. What an engine does not support is not counted.", "")
-    suites = {suite: set() for suite in SUITES}
-    for suite in document("suites.json"):
-        if suite["name"] in suites:
-            suites[suite["name"]] = {entry.split()[0] for entry in suite["scenarios"]}
+def write_verdicts(state):
+    write("## Verdicts", "", "Accurate / inaccurate / failed, of the scenes of each suite. An unsupported scene is not counted.", "")
     rows = []
-    for label in labels:
-        cells = []
-        for suite in SUITES:
-            counts = Counter(verdict(run) for run in judged(label) if run["scenario"] in suites[suite])
-            cells.append(f"{counts['accurate']} / {counts['inaccurate']} / {counts['failed']}")
-        counts = Counter(verdict(run) for run in judged(label))
-        rows.append([f"`{label}`", *cells, f"{counts['accurate']} / {counts['inaccurate']} / {counts['failed']}", counts["unsupported"] or ""])
+    for label in state.labels:
+        cells = [state.counts(label, suite) for suite in SUITES] + [state.counts(label)]
+        rows.append([f"`{label}`", *(f"{cell['accurate']} / {cell['inaccurate']} / {cell['failed']}" for cell in cells), cells[-1]["unsupported"] or ""])
     table(["configuration", *SUITES, "all", "unsupported"], rows)
 
 
-def threshold_table():
-    write("## Thresholds", "", "At which angle a block slides or tips, how far blocks hang over, with which friction spheres stack: the critical value that the engine has, over that of statics.",
-          "1 is right; a word says that the engine holds always or never, or fails.", "")
+def write_thresholds(state):
+    write("## Thresholds", "", "At which angle a block slides or tips, how far blocks hang over, with which friction spheres stack: the critical value that the engine has, over that of statics. 1 is right; a word says "
+          "that the scene holds always or never, or that the engine fails.", "")
     values = defaultdict(dict)
-    scenarios = []
     for row in lines_of("thresholds.json"):
-        if row["scenario"] not in scenarios:
-            scenarios.append(row["scenario"])
         right = row["closed_form"]
         values[row["label"]][row["scenario"]] = f"{row['value'] / right:.4g}" if row["value"] is not None and right else row["finding"]
-    table(["configuration", *scenarios], [[f"`{label}`", *(values[label].get(scenario, "–") for scenario in scenarios)] for label in labels if label in values])
+    scenarios = list(dict.fromkeys(scenario for row in values.values() for scenario in row))
+    table(["configuration", *scenarios], [[f"`{label}`", *(values[label].get(scenario, "–") for scenario in scenarios)] for label in state.labels if label in values])
     write("`plumb threshold slope-threshold slope-tip overhang sphere-pyramid --with all --cpu-limit 20 --timeout 90`", "")
 
 
-def speed_table():
-    sweep = document("speed/sweep.json")
+def write_speed():
+    sweep = json.loads(text_of("speed/sweep.json"))
     names = [engine["name"] for engine in sweep["engines"]]
-    write("## Speed at equal error, of native engines", "",
-          "How many times the CPU time of plumb another engine needs for the same error, at the best of its settings; in brackets on how many of the scenes both reach it. Times in WebAssembly are not comparable, and are left out.", "")
+    write("## Speed at equal error, of native engines", "", "How many times the CPU time of plumb another engine needs for the same error on `tower`, `slope-slide`, `slope-tip` and `rocket`, each at the best of its settings: the "
+          "geometric mean over the scenes on which both reach that error, whose number is in brackets. Times in WebAssembly are left out.", "")
     rows = []
     for pair in sweep["pairs"]:
-        if ":" in names[pair["other"]] or ":" in names[pair["ours"]]:
-            continue
-        cells = []
-        for level in pair["levels"]:
-            speed = level["mean_speed"]
-            value = speed["value"] if isinstance(speed, dict) else speed
-            cells.append("–" if value is None else f"{value:.3g} ({level['both']})")
-        rows.append([names[pair["other"]], *cells])
-    levels = [f"error {level['level']:.0e}" for level in sweep["pairs"][0]["levels"]] if sweep["pairs"] else []
-    table(["engine", *levels], rows)
+        if ":" not in names[pair["other"]] and ":" not in names[pair["ours"]]:
+            means = [(level["mean_speed"] or {}).get("value") for level in pair["levels"]]
+            rows.append([names[pair["other"]], *("–" if mean is None else f"{mean:.3g} ({level['both']})" for mean, level in zip(means, pair["levels"]))])
+    table(["engine", *(f"error {level['level']:.0e}" for level in sweep["pairs"][0]["levels"])], rows)
     write("`plumb sweep tower slope-slide slope-tip rocket --engine plumb --engine ode --engine bullet --engine mujoco --engine dart:recommended --cpu-limit 20 --timeout 90 --jobs 2 --out speed`", "")
 
 
-def engine_findings(found):
-    write("## Findings", "", "Every run that is not accurate, with the cause where an experiment has shown it. `plumb compare SCENARIO --engine CONFIGURATION --cpu-limit 20` repeats a number; "
-          "errors repeat to the last bit.", "")
-    for name in engines:
-        mine = [row for row in found if row[1].split(":")[0] == name]
+def write_findings(state):
+    write("## Findings", "", "Every run that is not accurate. `plumb compare CASE --engine CONFIGURATION --cpu-limit 20` repeats a number, with `--set` before each parameter of the case; errors repeat to the last bit. "
+          "A number in brackets names the cause below the table, which an experiment has shown; [?] is: cause not known. An empty cell is an accurate run or an unsupported scene.", "")
+    for name, (title, _, tracker) in ENGINES.items():
+        mine = [row for row in state.findings if engine_of(row[1]) == name]
         if not mine:
             continue
-        write(f"### {TITLES[name]}", "")
-        groups = defaultdict(list)
+        labels = [label for label in state.labels if engine_of(label) == name]
+        causes = list(dict.fromkeys((row[3], row[4]) for row in mine if row[3] != UNKNOWN))
+        cells = defaultdict(dict)
         for case, label, error, cause, evidence in mine:
-            groups[cause, evidence].append(f"{case} ({label.split(':', 1)[1]}: {error})")
-        for (cause, evidence), cases in sorted(groups.items(), key=lambda group: group[0][0] == "cause not known"):
-            write(f"- **{cause[0].upper()}{cause[1:]}.**" + ("" if evidence in ("–", "") else f" {evidence}."), f"  {'; '.join(cases)}", "")
-        write(f"To object: {OBJECT[name]} has the makers' tracker, and this project's own takes corrections of the adapter. A correction needs one scene file, one command and the number it gives.", "")
+            mark = "[?]" if cause == UNKNOWN else f"[{causes.index((cause, evidence)) + 1}]"
+            cells[case][label] = f"{error.split(' (')[0]} {mark}"
+        write(f"### {title}", "")
+        table(["case", *(f"`{label}`" for label in labels)], [[case, *(row.get(label, "") for label in labels)] for case, row in cells.items()])
+        for i, (cause, evidence) in enumerate(causes):
+            write(f"- [{i + 1}] {cause[0].upper()}{cause[1:]}." + ("" if evidence in ("–", "") else f" {evidence[0].upper()}{evidence[1:]}."))
+        write("", f"The tracker of its makers: {tracker}", "")
 
 
-found = findings()
-introduction(found)
-engine_table()
-verdict_table()
-threshold_table()
-speed_table()
-with open(sys.argv[0].replace("state.py", "state_notes.md")) as notes:
-    write(notes.read())
-engine_findings(found)
+def main():
+    state = State()
+    write_introduction(state)
+    write_engines(state)
+    write_verdicts(state)
+    write_thresholds(state)
+    write_speed()
+    with open(NOTES, encoding="utf-8") as notes:
+        write(notes.read())
+    write_findings(state)
+
+
+main()

@@ -57,7 +57,7 @@ expect 1 'FAIL  load .*' ./trap.so
 cat >picky.py <<'END'
 import json, sys
 for request in map(json.loads, sys.stdin):
-    hello = {"protocol": "plumb.engine/1", "name": "picky", "version": "1", "capabilities": ["plane", "sphere", "box"]}
+    hello = {"protocol": "plumb.engine/1", "name": "picky", "version": "1", "capabilities": ["rotation", "plane", "sphere", "box"]}
     answer = hello if request["request"] == "hello" else {"error": "none today", "unsupported": True}
     print(json.dumps({"id": request["id"], **answer}), flush=True)
 END
