@@ -2,8 +2,8 @@
 //
 // Damping (0.01 as shipped) is off, and mass and inertia are those of the scene. A contact material for each pair of
 // materials gives it its coefficients, with cannon's own stiffness and relaxation. The faces of a hull are polygons: cannon
-// clips one face against another, and triangles of one face would each have their own contacts. cannon has no capsules; it
-// leaves the gyroscopic torque out.
+// clips one face against another, and triangles of one face would each have their own contacts. cannon has no capsules,
+// and its meshes collide with planes and spheres only. It leaves the gyroscopic torque out.
 import {apart, packageOf, serve} from './protocol.mjs';
 import {applyForces, polygonsOf, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
 import * as CANNON from 'cannon-es';

@@ -2,7 +2,7 @@
 //
 // Sleeping, damping (0.05 as shipped) and the limits of speed are off, and the gyroscopic torque is on. Boxes, cylinders
 // and hulls keep their size: Jolt rounds their edges by the convex radius. Capsules and cylinders have their axis along y,
-// and are turned. A moving mesh collides with convex shapes only: meshes are unsupported.
+// and are turned. A moving mesh collides with convex shapes, but neither with planes nor with meshes: it is unsupported.
 //
 // The contact listener gives every pair of bodies its coefficients, and records the contacts of the first sub-step: those of
 // later ones are not of the poses before the step. Recording is not counted as the step's time. Jolt's interface has contact

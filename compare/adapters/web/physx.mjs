@@ -6,7 +6,7 @@
 //
 // PhysX combines the coefficients of two materials by a rule. Where no rule gives all pairs theirs, a body has several
 // shapes (materials.mjs). Contact reports have the normal part of an impulse only, so that contacts are points. They are
-// read within the step, which is not counted as its time.
+// read within the step. That is not counted as its time; what PhysX itself does to prepare reports is.
 import {apart, packageOf, serve} from './protocol.mjs';
 import {applyForces, principalPose, principalVertices, product, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
 import {colliderPlan, rules} from './materials.mjs';

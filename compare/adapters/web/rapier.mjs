@@ -3,7 +3,8 @@
 //
 // Rapier divides a step into `iterations` sub-steps (numSolverIterations), each of which integrates positions. Sleeping is
 // off; damping is off as shipped. Colliders have no density: mass and inertia are those of the scene. Capsules and
-// cylinders have their axis along y, and are turned. A moving mesh would be a hollow surface: meshes are unsupported.
+// cylinders have their axis along y, and are turned. A mesh is a surface of oriented triangles; Rapier's fix of internal edges
+// keeps flat parts from being rough.
 //
 // Rapier combines the coefficients of two colliders by a rule. Where no rule gives all pairs of materials theirs, a body
 // has several colliders of the same shape (materials.mjs).
