@@ -141,10 +141,10 @@ function create(setup) {
   }
 
   function grow() {
-    memory *= 2;
-    if (memory > MOST_MEMORY) {
+    if (memory >= MOST_MEMORY) {
       throw new Unsupported(`contacts need more than ${MOST_MEMORY} MiB`);
     }
+    memory = Math.min(MOST_MEMORY, 2 * memory);
     const [small, old] = [model, data];
     model = mujoco.MjModel.from_xml_string(modelText(setup, memory));
     data = new mujoco.MjData(model);
