@@ -5,7 +5,8 @@
 // has another, the model has an element `pair` for it. A free joint keeps the angular velocity in the body's axes.
 //
 // MuJoCo leaves out contacts that do not fit into its memory, and starts again from the first state after one that is not
-// finite or too large. It says so in warnings only: the first is repeated with more memory, the second ends the run.
+// finite or too large. It says so in warnings only. A step whose contacts or solver did not fit is made again with more
+// memory; a state that is given up ends the run.
 import {GaveUp, Unsupported, apart, packageOf, serve} from './protocol.mjs';
 import {applyForces, inverse, normalized, principalPose, principalVertices, rotate, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
 import loadMujoco from '@mujoco/mujoco';
@@ -127,22 +128,28 @@ function create(setup) {
       data.qvel.set(rotate(inverse(normalized(orientation)), body.angular_velocity), velocity[i] + 3);
     }
   });
-  mujoco.mj_forward(model, data);
+  while (!fits(() => mujoco.mj_forward(model, data))) {
+    grow();
+  }
   const pose = (i) => Array.from(data.qpos.subarray(position[i], position[i] + 7));
   let contacts = [];
 
-  /** Contacts and constraints at the present poses, in memory that is large enough for them. */
-  function collide() {
-    mujoco.mj_step1(model, data);
-    while (apart(() => warningOf(data, FULL))) {
-      grow();
-      mujoco.mj_step1(model, data);
+  /** Calls work(), a call of MuJoCo; false: contacts or the solver did not fit into the memory, and the state is as before. */
+  function fits(work) {
+    try {
+      work();
+    } catch (error) {
+      if (/mj_stackAlloc/.test(error.message)) {
+        return false;
+      }
+      throw error;
     }
+    return !apart(() => warningOf(data, FULL));
   }
 
   function grow() {
     if (memory >= MOST_MEMORY) {
-      throw new Unsupported(`contacts need more than ${MOST_MEMORY} MiB`);
+      throw new Unsupported(`the contacts need more than ${MOST_MEMORY} MiB`);
     }
     memory = Math.min(MOST_MEMORY, 2 * memory);
     const [small, old] = [model, data];
@@ -151,6 +158,17 @@ function create(setup) {
     mujoco.mj_copyState(model, old, data, mujoco.mjtState.mjSTATE_INTEGRATION.value);
     old.delete();
     small.delete();
+  }
+
+  function advance(number) {
+    data.xfrc_applied.fill(0);
+    applyForces(setup, number, (i) => pose(i).slice(3), (i, force, torque) => {
+      const at = 6 * bodyOf[i];
+      [...force, ...torque].forEach((value, k) => {
+        data.xfrc_applied[at + k] += value;
+      });
+    });
+    mujoco.mj_step2(model, data);
   }
 
   function checkState() {
@@ -181,15 +199,9 @@ function create(setup) {
 
   return {
     step(number) {
-      collide();
-      data.xfrc_applied.fill(0);
-      applyForces(setup, number, (i) => pose(i).slice(3), (i, force, torque) => {
-        const at = 6 * bodyOf[i];
-        [...force, ...torque].forEach((value, k) => {
-          data.xfrc_applied[at + k] += value;
-        });
-      });
-      mujoco.mj_step2(model, data);
+      while (!(fits(() => mujoco.mj_step1(model, data)) && fits(() => advance(number)))) {
+        grow();
+      }
       apart(checkState);
       return {iterations: Math.max(0, ...data.solver_niter), contacts: data.ncon};
     },
