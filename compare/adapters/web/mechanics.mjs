@@ -1,4 +1,4 @@
-// What adapters share: rotations, the principal frames of hulls and meshes, and applied forces.
+// What adapters share: rotations, the principal frames of hulls and meshes, faces of hulls, and applied forces.
 //
 // Quaternions are [w, x, y, z], body to world, and need not be exactly unit. The principal frame of a body is at its
 // centre of mass, along its principal axes. It differs from the shape's frame for hulls and meshes only.
