@@ -124,7 +124,7 @@ def write_engines(state):
                 checks.append(f"`{profile}` passed {found[0]}" if not found[1] else f"`{profile}` failed {len(found[1])} of {found[0]}: {', '.join(found[1])}")
         rows.append([f"[{title}]({adapter})", engine.get("version", "absent") if engine["present"] else "absent", engine.get("runtime", ""), engine.get("precision", ""), "; ".join(checks) or "not checked"])
     table(["engine and its adapter", "version", "runs in", "precision", "checks of `plumb check-engine`"], rows)
-    write("Each failed check is the engine's own behaviour. Programs of at most 30 lines, which need the engine alone, show it: [adapters/web](adapters/web/README.md#what-the-engines-do), "
+    write("Each failed check is the engine's own behaviour. Programs of at most 30 lines, which need the engine alone, show it: [adapters/web](adapters/web/README.md#what-fails-conformance-and-why), "
           "[adapters/dart](adapters/dart/README.md).", "")
 
 

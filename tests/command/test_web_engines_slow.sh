@@ -18,7 +18,7 @@ done
 [[ ${#present[@]} -gt 0 ]] || exit $((failed ? failed : 77))
 
 # What every adapter must get right, whatever its engine does.
-for check in initial-position quaternion-order frame-of-step gravity angular-velocity given-inertia repeats; do
+for check in initial-position quaternion-order frame-of-step gravity angular-velocity given-inertia hull-rests mesh-rests repeats; do
     checks+=(--check "$check")
 done
 "$PLUMB" check-engine "${present[@]}" "${checks[@]}" --timeout 60 --quiet >checked 2>&1 || note_failure "$(cat checked)"
@@ -36,4 +36,26 @@ for engine in sys.argv[1:]:
         print(engine, [(r["scenario"], r["outcome"], r["reason"]) for r in mine])
 END
 [[ ! -s wrong ]] || note_failure "$(cat wrong)"
+
+# MuJoCo starts again from the first state where one becomes too large: that ends the run.
+if [[ " ${present[*]} " == *" mujoco3 "* ]]; then
+    cat >fast.json <<'END'
+{"plumb_scene": 1, "name": "fast", "gravity": [0, 0, 0], "dt": 0.01, "duration": 6,
+ "bodies": [{"name": "ball", "shape": {"type": "sphere", "radius": 0.5}, "mass": 1, "position": [0, 0, 0], "velocity": [4e9, 0, 0]}]}
+END
+    command=run expect 3 "MuJoCo gave up its state" fast.json --engine mujoco3
+fi
+
+# The programs about an engine need its package alone.
+packages=$(dirname "$PLUMB")/compare/web/node_modules
+if [[ -d $packages ]]; then
+    ln -s "$packages" node_modules
+    cp "$SOURCE"/compare/adapters/web/behaviour/*.mjs .
+    for program in *.mjs; do
+        [[ $(wc -l <"$program") -le 30 ]] || note_failure "$program has more than 30 lines"
+        [[ $program != havok_world.mjs && " ${present[*]} " == *" ${program%%_*} "* ]] || continue
+        node "$program" >printed 2>err || note_failure "$program: $(cat err)"
+        grep -q "[0-9]" printed || note_failure "$program prints no numbers"
+    done
+fi
 exit $failed

@@ -1,13 +1,14 @@
 // cannon-es (https://pmndrs.github.io/cannon-es): a JavaScript engine in double precision.
 //
 // Damping (0.01 as shipped) is off, and mass and inertia are those of the scene. A contact material for each pair of
-// materials gives it its coefficients, with cannon's own stiffness and relaxation. cannon has no capsules; it leaves the
-// gyroscopic torque out.
-import {serve, versionOf} from './protocol.mjs';
-import {applyForces, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
+// materials gives it its coefficients, with cannon's own stiffness and relaxation. The faces of a hull are polygons: cannon
+// clips one face against another, and triangles of one face would each have their own contacts. cannon has no capsules,
+// and its meshes collide with planes and spheres only. It leaves the gyroscopic torque out.
+import {apart, packageOf, serve} from './protocol.mjs';
+import {applyForces, polygonsOf, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
 import * as CANNON from 'cannon-es';
 
-const version = versionOf('cannon-es');
+const {version, files} = packageOf('cannon-es');
 
 const vector = (v) => new CANNON.Vec3(...v);
 const quaternion = ([w, x, y, z]) => new CANNON.Quaternion(x, y, z, w);
@@ -32,9 +33,9 @@ function addShape(setup, body, made) {
       break;
     default: {
       const solid = solidOf(setup, body);
-      const flat = principalVertices(solid);
+      const flat = principalVertices(solid, Float64Array);
       const vertices = solid.vertices.map((_, i) => vector(flat.subarray(3 * i, 3 * i + 3)));
-      made.addShape(new CANNON.ConvexPolyhedron({vertices, faces: solid.triangles.map((t) => [...t])}));
+      made.addShape(new CANNON.ConvexPolyhedron({vertices, faces: polygonsOf(solid)}));
     }
   }
 }
@@ -72,10 +73,10 @@ function create(setup) {
   bodies.forEach((body) => world.addBody(body));
   const indexOf = new Map(bodies.map((body, index) => [body.id, index]));
   let before = [];
-  let now = [];
 
   return {
     step(number) {
+      before = apart(() => bodies.map((body) => array(body.position)));
       applyForces(setup, number, (index) => arrayOf(bodies[index].quaternion), (index, force, torque) => {
         bodies[index].force.vadd(vector(force), bodies[index].force);
         bodies[index].torque.vadd(vector(torque), bodies[index].torque);
@@ -84,8 +85,6 @@ function create(setup) {
       return {iterations: options.iterations, contacts: world.contacts.length};
     },
     readFrame(frame) {
-      before = now;
-      now = bodies.map((body) => array(body.position));
       bodies.forEach((body, index) => {
         const asked = setup.bodies[index];
         if (asked.shape.type === 'plane') {
@@ -131,6 +130,7 @@ serve({
   gyroscopic: 'none',
   capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'cylinder', 'hull'],
   contacts: ['points'],
+  files,
   reads: ['settings', 'pairs'],
   profiles: [
     {name: 'default', help: 'as shipped', in_default_comparison: true, step_code: 'world.step({});'},

@@ -7,16 +7,14 @@
 // Havok combines the coefficients of two materials by a rule. Where no rule gives all pairs theirs, a body is a container
 // of several shapes (materials.mjs). Collision events have one point a pair, so that contacts are not reported, and the
 // interface has no settings of the solver.
-import {serve} from './protocol.mjs';
+import {packageOf, serve} from './protocol.mjs';
 import {applyForces, planeReach, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
 import {colliderPlan, rules} from './materials.mjs';
 import {readFileSync} from 'node:fs';
-import {fileURLToPath} from 'node:url';
 import initHavok from '@babylonjs/havok';
 
-const folder = fileURLToPath(import.meta.resolve('@babylonjs/havok')).replace(/lib\/.*$/, '');
-const Havok = await initHavok({wasmBinary: readFileSync(`${folder}lib/esm/HavokPhysics.wasm`)});
-const {version} = JSON.parse(readFileSync(`${folder}package.json`));
+const {version, files} = packageOf('@babylonjs/havok', 'HavokPhysics.wasm');
+const Havok = await initHavok({wasmBinary: readFileSync(files.at(-1))});
 const NO_LIMIT = 1e9;
 const IDENTITY = [0, 0, 0, 1];
 
@@ -34,13 +32,19 @@ const fromQuaternion = ([x, y, z, w]) => [w, x, y, z];
 const modes = {multiply: Havok.MaterialCombine.MULTIPLY, max: Havok.MaterialCombine.MAXIMUM, min: Havok.MaterialCombine.MINIMUM, average: Havok.MaterialCombine.ARITHMETIC_MEAN};
 const ruleOf = (mode) => Object.keys(modes).find((rule) => modes[rule] === mode);
 
-function hullOf(vertices) {
-  const at = Havok._malloc(vertices.byteLength);
-  new Float32Array(Havok.HEAPU8.buffer).set(vertices, at / 4);
-  const shape = done(Havok.HP_Shape_CreateConvexHull(at, vertices.length / 3));
+/** Calls use(address) with a copy of `numbers`, of four bytes each, in Havok's memory. */
+function withCopy(numbers, use) {
+  const at = Havok._malloc(numbers.byteLength);
+  Havok.HEAPU8.set(new Uint8Array(numbers.buffer), at);
+  const result = use(at);
   Havok._free(at);
-  return shape;
+  return result;
 }
+
+const hullOf = (vertices) => withCopy(vertices, (at) => done(Havok.HP_Shape_CreateConvexHull(at, vertices.length / 3)));
+
+const meshOf = (vertices, corners) => withCopy(vertices, (at) => withCopy(corners, (cornersAt) =>
+  done(Havok.HP_Shape_CreateMesh(at, vertices.length / 3, cornersAt, corners.length / 3))));
 
 function shapeOf(setup, body) {
   const {shape} = body;
@@ -55,6 +59,8 @@ function shapeOf(setup, body) {
       return done(Havok.HP_Shape_CreateCapsule([0, 0, -shape.half_height], [0, 0, shape.half_height], shape.radius));
     case 'cylinder':
       return done(Havok.HP_Shape_CreateCylinder([0, 0, -shape.half_height], [0, 0, shape.half_height], shape.radius));
+    case 'mesh':
+      return meshOf(principalVertices(solidOf(setup, body)), Int32Array.from(solidOf(setup, body).triangles.flat()));
     default:
       return hullOf(principalVertices(solidOf(setup, body)));
   }
@@ -165,8 +171,9 @@ serve({
   integrator: 'semi-implicit Euler',
   gyroscopic: 'none',
   substeps: 4,
-  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull'],
+  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull', 'mesh'],
   contacts: [],
+  files,
   reads: ['settings', 'pairs'],
   profiles: [
     {name: 'default', help: 'as shipped', in_default_comparison: true, step_code: 'HP_World_SetIdealStepTime(world, {}); HP_World_Step(world, {});'},

@@ -78,9 +78,10 @@ export function combined(setup, what, names) {
  * The colliders that a body of a material needs, each {material, member, meets, friction, restitution}. Where rules of
  * combining give all pairs their coefficients it is one, which meets all others. Otherwise a body has a collider for each
  * other material, with the coefficients of that pair, and bits that let it meet the colliders that the other has for it.
- * `friction` and `restitution` are what the collider stores under `rule.friction` and `rule.restitution`.
+ * `friction` and `restitution` are what the collider stores under `rule.friction` and `rule.restitution`. An engine that can
+ * compare materials themselves needs no bits.
  */
-export function colliderPlan(setup, names, bits) {
+export function colliderPlan(setup, names, bits = Infinity) {
   const friction = combined(setup, 'friction', names);
   const restitution = combined(setup, 'restitution', ['max', ...names]);
   const count = setup.friction.length;

@@ -1,4 +1,4 @@
-// What adapters share: rotations, the principal frames of hulls and meshes, and applied forces.
+// What adapters share: rotations, the principal frames of hulls and meshes, faces of hulls, and applied forces.
 //
 // Quaternions are [w, x, y, z], body to world, and need not be exactly unit. The principal frame of a body is at its
 // centre of mass, along its principal axes. It differs from the shape's frame for hulls and meshes only.
@@ -17,6 +17,8 @@ export function product(a, b) {
 export const inverse = (q) => [q[0], -q[1], -q[2], -q[3]];
 
 export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 /** The vector v, in body axes, in world axes. */
 export function rotate(q, v) {
@@ -46,6 +48,47 @@ export const solidOf = (setup, body) => setup.solids[body.shape.solid];
 export function principalVertices(solid, Numbers = Float32Array) {
   const back = inverse(solid.axes);
   return Numbers.from(solid.vertices.flatMap((v) => rotate(back, v.map((x, k) => x - solid.centre[k]))));
+}
+
+/** Corners within this share of a hull's radius of a plane lie in it: rounding of coordinates. */
+const FLATNESS = 1e-9;
+
+/**
+ * The faces of a hull as polygons: indices of vertices, counter-clockwise from outside. A face consists of all triangles
+ * whose corners lie in one plane. The largest one that is left founds the next face: thin ones have poor normals.
+ */
+export function polygonsOf(solid) {
+  const difference = (i, j) => solid.vertices[i].map((x, k) => x - solid.vertices[j][k]);
+  const flatness = FLATNESS * Math.max(...solid.vertices.map((v) => Math.hypot(...v.map((x, k) => x - solid.centre[k]))));
+  const polygons = [];
+  let left = solid.triangles.map((t) => ({corners: t, area: cross(difference(t[1], t[0]), difference(t[2], t[0]))}))
+    .sort((a, b) => Math.hypot(...b.area) - Math.hypot(...a.area));
+  while (left.length > 0) {
+    const [founder] = left;
+    const normal = normalized(founder.area);
+    const lies = (other) => other === founder || (dot(normal, other.area) >= 0 &&
+      other.corners.every((i) => Math.abs(dot(normal, difference(i, founder.corners[0]))) <= flatness));
+    polygons.push(borderOf(left.filter(lies).map(({corners}) => corners)));
+    left = left.filter((other) => !lies(other));
+  }
+  return polygons;
+}
+
+/** The polygon around triangles: the edges whose reverse belongs to none of them. */
+function borderOf(triangles) {
+  const edges = triangles.flatMap(([a, b, c]) => [[a, b], [b, c], [c, a]]);
+  const names = new Set(edges.map(String));
+  const next = new Map(edges.filter(([from, to]) => !names.has(`${to},${from}`)));
+  const polygon = [];
+  for (let [corner] = next.keys(); next.has(corner); polygon.push(corner)) {
+    const to = next.get(corner);
+    next.delete(corner);
+    corner = to;
+  }
+  if (next.size > 0) {
+    throw new Error('a face of a hull has no single border: a hull of corners alone, none of them within 1e-9 of a face, has');
+  }
+  return polygon;
 }
 
 /** Where the principal frame of a body is at the start: {position, orientation}. */

@@ -3,12 +3,18 @@
 // The scene is written as MJCF. Contacts are soft by design, and there is no restitution: scenes with one are unsupported,
 // as are meshes, which MuJoCo replaces by their convex hulls. MuJoCo takes the larger friction of two geoms; where a pair
 // has another, the model has an element `pair` for it. A free joint keeps the angular velocity in the body's axes.
-import {Unsupported, serve} from './protocol.mjs';
+//
+// MuJoCo leaves out contacts that do not fit into its memory, and starts again from the first state after one that is not
+// finite or too large. It says so in warnings only. A step whose contacts or solver did not fit is made again with more
+// memory; a state that is given up ends the run.
+import {GaveUp, Unsupported, apart, packageOf, serve} from './protocol.mjs';
 import {applyForces, inverse, normalized, principalPose, principalVertices, rotate, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
 import loadMujoco from '@mujoco/mujoco';
 
 const mujoco = await loadMujoco();
+const {files} = packageOf('@mujoco/mujoco', 'mujoco.wasm');
 const LEAST_FRICTION = 1e-5; // mjMINMU: smaller ones are raised
+const MOST_MEMORY = 1024; // MiB
 const CONES = ['pyramidal', 'elliptic'];
 const SOLVERS = {default: 'Newton', recommended: 'Newton', cg: 'CG', pgs: 'PGS'};
 
@@ -60,13 +66,12 @@ function pairElements(setup) {
   return lines.join('');
 }
 
-function modelText(setup) {
+function modelText(setup, memory) {
   const {options} = setup;
   const solids = setup.solids.map((solid, index) => {
     const body = setup.bodies.find((b) => b.shape.solid === index);
     return body ? `<mesh${attributes({name: `solid${index}`, vertex: Array.from(principalVertices(solidOf(setup, body), Float64Array))})}/>` : '';
   });
-  const memory = Math.min(1024, 16 + 2 * setup.bodies.length);
   const option = attributes({timestep: setup.dt, gravity: setup.gravity, solver: SOLVERS[setup.profile], cone: CONES[options.cone], iterations: options.iterations,
     tolerance: options.tolerance, impratio: options.impratio, noslip_iterations: options.noslip_iterations});
   const global = attributes({solref: [options.solref_time, options.solref_damping], solimp: [options.solimp_dmin, options.solimp_dmax, options.solimp_width, 0.5, 2]});
@@ -90,10 +95,26 @@ function check(setup) {
 
 /* ---- The scene ---- */
 
+const {mjWARN_INERTIA, mjWARN_CONTACTFULL, mjWARN_CNSTRFULL, mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC} = mujoco.mjtWarning;
+const FULL = [mjWARN_CONTACTFULL, mjWARN_CNSTRFULL];
+const FATAL = [mjWARN_INERTIA, mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC];
+
+/** The first of these kinds of warnings that there was, with the number that it is about; undefined: none. */
+function warningOf(data, kinds) {
+  const all = data.warning;
+  return kinds.map(({value}) => {
+    const warning = all.get(value); // a copy, to be deleted
+    const {number, lastinfo} = warning;
+    warning.delete();
+    return {value, number, lastinfo};
+  }).find(({number}) => number > 0);
+}
+
 function create(setup) {
   check(setup);
-  const model = mujoco.MjModel.from_xml_string(modelText(setup));
-  const data = new mujoco.MjData(model);
+  let memory = Math.min(MOST_MEMORY, 16 + 2 * setup.bodies.length);
+  let model = mujoco.MjModel.from_xml_string(modelText(setup, memory));
+  let data = new mujoco.MjData(model);
   const kind = (name) => mujoco.mjtObj[name].value;
   const bodyOf = setup.bodies.map((_, i) => mujoco.mj_name2id(model, kind('mjOBJ_BODY'), `b${i}`));
   const indexOfGeom = new Map(setup.bodies.map((_, i) => [mujoco.mj_name2id(model, kind('mjOBJ_GEOM'), `g${i}`), i]));
@@ -107,9 +128,55 @@ function create(setup) {
       data.qvel.set(rotate(inverse(normalized(orientation)), body.angular_velocity), velocity[i] + 3);
     }
   });
-  mujoco.mj_forward(model, data);
+  while (!fits(() => mujoco.mj_forward(model, data))) {
+    grow();
+  }
   const pose = (i) => Array.from(data.qpos.subarray(position[i], position[i] + 7));
   let contacts = [];
+
+  /** Calls work(), a call of MuJoCo; false: contacts or the solver did not fit into the memory, and the state is as before. */
+  function fits(work) {
+    try {
+      work();
+    } catch (error) {
+      if (/mj_stackAlloc/.test(error.message)) {
+        return false;
+      }
+      throw error;
+    }
+    return !apart(() => warningOf(data, FULL));
+  }
+
+  function grow() {
+    if (memory >= MOST_MEMORY) {
+      throw new Unsupported(`the contacts need more than ${MOST_MEMORY} MiB`);
+    }
+    memory = Math.min(MOST_MEMORY, 2 * memory);
+    const [small, old] = [model, data];
+    model = mujoco.MjModel.from_xml_string(modelText(setup, memory));
+    data = new mujoco.MjData(model);
+    mujoco.mj_copyState(model, old, data, mujoco.mjtState.mjSTATE_INTEGRATION.value);
+    old.delete();
+    small.delete();
+  }
+
+  function advance(number) {
+    data.xfrc_applied.fill(0);
+    applyForces(setup, number, (i) => pose(i).slice(3), (i, force, torque) => {
+      const at = 6 * bodyOf[i];
+      [...force, ...torque].forEach((value, k) => {
+        data.xfrc_applied[at + k] += value;
+      });
+    });
+    mujoco.mj_step2(model, data);
+  }
+
+  function checkState() {
+    const warning = warningOf(data, FATAL);
+    if (warning) {
+      throw new GaveUp(`MuJoCo gave up its state: ${mujoco.mju_warningText(warning.value, warning.lastinfo)}`);
+    }
+  }
 
   /** What the solver of the present step worked with: before the positions move. */
   function record() {
@@ -132,15 +199,10 @@ function create(setup) {
 
   return {
     step(number) {
-      mujoco.mj_step1(model, data);
-      data.xfrc_applied.fill(0);
-      applyForces(setup, number, (i) => pose(i).slice(3), (i, force, torque) => {
-        const at = 6 * bodyOf[i];
-        [...force, ...torque].forEach((value, k) => {
-          data.xfrc_applied[at + k] += value;
-        });
-      });
-      mujoco.mj_step2(model, data);
+      while (!(fits(() => mujoco.mj_step1(model, data)) && fits(() => advance(number)))) {
+        grow();
+      }
+      apart(checkState);
       return {iterations: Math.max(0, ...data.solver_niter), contacts: data.ncon};
     },
     readFrame(frame) {
@@ -187,11 +249,14 @@ serve({
   gyroscopic: 'explicit',
   capabilities: ['friction', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull'],
   contacts: ['points', 'impulses'],
+  files,
   reads: ['settings'],
   profiles: [
     {name: 'default', help: "Newton's method and pyramidal cones, as shipped", in_default_comparison: true, step_code: 'model->opt.timestep = {}; mj_step(model, data);'},
     {name: 'recommended', help: "as MuJoCo's documentation has it against slip and penetration", in_default_comparison: true,
       step_code: 'model->opt.timestep = {}; mj_step(model, data);', values: {cone: 1, tolerance: 1e-10, impratio: 10, solimp_dmin: 0.99, solimp_dmax: 0.999}},
+    {name: 'cg', help: 'as shipped, with conjugate gradients', step_code: 'model->opt.timestep = {}; mj_step(model, data);'},
+    {name: 'pgs', help: 'as shipped, with projected Gauss-Seidel', step_code: 'model->opt.timestep = {}; mj_step(model, data);'},
   ],
   sources: [
     {profile: 'recommended', text: `${MODELING}"The Newton algorithm is the best choice for most models" (https://mujoco.readthedocs.io/en/stable/modeling.html)`},

@@ -5,17 +5,18 @@
 // margin. A moving triangle mesh needs the graphics processor: meshes are unsupported.
 //
 // PhysX combines the coefficients of two materials by a rule. Where no rule gives all pairs theirs, a body has several
-// shapes (materials.mjs). Contact reports have the normal part of an impulse only, so that contacts are points.
-import {serve} from './protocol.mjs';
+// shapes (materials.mjs). Contact reports have the normal part of an impulse only, so that contacts are points. They are
+// read within the step. That is not counted as its time; what PhysX itself does to prepare reports is.
+import {apart, packageOf, serve} from './protocol.mjs';
 import {applyForces, principalPose, principalVertices, product, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
 import {colliderPlan, rules} from './materials.mjs';
 import {readFileSync} from 'node:fs';
-import {fileURLToPath} from 'node:url';
 import initPhysX from 'physx-js-webidl';
 
 // The package is built for browsers and refuses node by name. Nothing in it needs a browser but the loading of its
 // WebAssembly, which is given to it.
-const wasm = fileURLToPath(import.meta.resolve('physx-js-webidl')).replace(/mjs$/, 'wasm');
+const {files} = packageOf('physx-js-webidl', 'physx-js-webidl.wasm');
+const wasm = files.at(-1);
 const {versions} = process;
 globalThis.window = globalThis;
 Object.defineProperty(process, 'versions', {value: {}, configurable: true});
@@ -93,7 +94,7 @@ function addBody(scene, setup, body, plan, index) {
     material.setRestitutionCombineMode(modeOf(plan.rule.restitution));
     const shape = physics.createShape(geometry, material, true, shapeFlags);
     withPose([0, 0, 0], turn, (t) => shape.setLocalPose(t));
-    using(new Px.PxFilterData(c.member, c.meets, index, 0), (data) => shape.setSimulationFilterData(data));
+    using(new Px.PxFilterData(c.material === null ? 0 : body.material, c.material ?? 0, index, 0), (data) => shape.setSimulationFilterData(data));
     shape.setContactOffset(options.contact_offset);
     actor.attachShape(shape);
     return {material: c.material, stored: material};
@@ -115,26 +116,26 @@ function addBody(scene, setup, body, plan, index) {
   return {actor, colliders};
 }
 
-/** Lets two shapes meet where their bits allow it, and asks for their contacts. */
+/** Lets two shapes meet where each is the one for the other's material, and asks for their contacts. */
 function filter() {
   const made = new Px.PassThroughFilterShaderImpl();
   const flags = Px.PxPairFlagEnum;
-  made.filterShader = (attributes0, member0, meets0, index0, w03, attributes1, member1, meets1) => {
+  made.filterShader = (attributes0, own0, wanted0, index0, w03, attributes1, own1, wanted1) => {
     made.outputPairFlags = flags.eSOLVE_CONTACT | flags.eDETECT_DISCRETE_CONTACT | flags.eNOTIFY_TOUCH_FOUND |
       flags.eNOTIFY_TOUCH_PERSISTS | flags.eNOTIFY_CONTACT_POINTS;
-    return (member0 & meets1) !== 0 && (member1 & meets0) !== 0 ? Px.PxFilterFlagEnum.eDEFAULT : Px.PxFilterFlagEnum.eKILL;
+    return own0 === wanted1 && own1 === wanted0 ? Px.PxFilterFlagEnum.eDEFAULT : Px.PxFilterFlagEnum.eKILL;
   };
   return made;
 }
 
 function create(setup) {
   const {options} = setup;
-  const plan = colliderPlan(setup, ['multiply', 'max', 'min', 'average'], 31);
+  const plan = colliderPlan(setup, ['multiply', 'max', 'min', 'average']);
   let contacts = [];
   const points = new Px.Vector_PxContactPairPoint(64);
   const listener = new Px.PxSimulationEventCallbackImpl();
   listener.onConstraintBreak = listener.onWake = listener.onSleep = listener.onTrigger = () => {};
-  listener.onContact = (headerAt, pairsAt, count) => {
+  listener.onContact = (headerAt, pairsAt, count) => apart(() => {
     const pairs = Px.wrapPointer(pairsAt, Px.PxContactPair);
     for (let i = 0; i < count; ++i) {
       const pair = Px.NativeArrayHelpers.prototype.getContactPairAt(pairs, i);
@@ -145,7 +146,7 @@ function create(setup) {
         contacts.push(two, one, ...array(point.position), ...array(point.normal), point.separation);
       }
     }
-  };
+  });
   const desc = new Px.PxSceneDesc(scale);
   const shader = filter();
   withVector(setup.gravity, (g) => {
@@ -223,6 +224,7 @@ serve({
   gyroscopic: 'explicit',
   capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull'],
   contacts: ['points'],
+  files,
   reads: ['settings', 'pairs'],
   profiles: [
     {name: 'default', help: 'projected Gauss-Seidel, as shipped', in_default_comparison: true, step_code: 'scene->simulate({});'},

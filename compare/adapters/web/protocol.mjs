@@ -9,7 +9,11 @@
 //   pair(a, b)          returns {friction, restitution} of two bodies (optional)
 //   destroy()           frees the scene (optional)
 //
-// `setup` is the request create. Throw Unsupported for what the engine cannot simulate.
+// `setup` is the request create. Throw Unsupported for what the engine cannot simulate, and GaveUp where it says itself that
+// it failed.
+//
+// The CPU time of a step is that of step(number) without what it does in apart(work): callbacks that an engine calls within
+// its step, and that read contacts for Plumb, are none of its work.
 import fs from 'node:fs';
 import path from 'node:path';
 import {fileURLToPath} from 'node:url';
@@ -17,19 +21,27 @@ import {fileURLToPath} from 'node:url';
 /** What an engine cannot simulate; its message is the reason. */
 export class Unsupported extends Error {}
 
+/** A failure that the engine reports; its message is the reason. Others are mistakes, whose place is printed. */
+export class GaveUp extends Error {}
+
 const NUMBERS_A_BODY = 13;
 
 // Standard output belongs to the protocol: whatever a library prints goes to standard error. Import this file first.
 console.log = console.info = console.debug = console.warn = console.error;
 
-/** The version of an installed npm package. */
-export function versionOf(name) {
-  let folder = fileURLToPath(import.meta.resolve(name));
-  while (!folder.endsWith(`node_modules/${name}`)) {
-    folder = path.dirname(folder);
-  }
-  return JSON.parse(fs.readFileSync(`${folder}/package.json`)).version;
+/**
+ * The installed npm package that has the module `name`: its version, and its files that an engine consists of, which are
+ * package.json, the module, and `others` beside the module. `files` goes into what the engine answers to hello.
+ */
+export function packageOf(name, ...others) {
+  const module = fileURLToPath(import.meta.resolve(name));
+  const [folder] = module.match(/^.*\/node_modules\/(@[^/]+\/)?[^/]+/);
+  const files = [`${folder}/package.json`, module, ...others.map((other) => path.join(path.dirname(module), other))];
+  return {version: JSON.parse(fs.readFileSync(files[0])).version, files};
 }
+
+/** The files of an adapter that are not of a package. A hash of all files tells one engine from another. */
+const adapterFiles = () => [process.argv[1], ...['protocol', 'mechanics', 'materials'].map((name) => fileURLToPath(new URL(`${name}.mjs`, import.meta.url)))];
 
 /* ---- Numbers: through descriptor 3 where it is a file, else as JSON arrays ---- */
 
@@ -74,13 +86,26 @@ function cpuSeconds() {
   return 1e-6 * (used.user + used.system);
 }
 
+let secondsApart = 0;
+
+/**
+ * Returns work(), which is not the engine's, within a step: its time is not counted as the step's. It is wall time, as a call
+ * for CPU time takes longer than many callbacks; in one thread they are the same, unless other programs interrupt it.
+ */
+export function apart(work) {
+  const begin = performance.now();
+  const result = work();
+  secondsApart += 1e-3 * (performance.now() - begin);
+  return result;
+}
+
 /** Answers requests until standard input ends, and ends the process. `engine` as described at the head of this file. */
 export function serve(engine) {
   const {create, ...hello} = engine;
   let scene = null;
   let frame = null;
   const handlers = {
-    hello: () => ({protocol: 'plumb.engine/1', ...hello}),
+    hello: () => ({protocol: 'plumb.engine/1', ...hello, files: [...adapterFiles(), ...hello.files]}),
     create: (request) => {
       frame = new Float64Array(NUMBERS_A_BODY * request.bodies.length);
       scene = create(request);
@@ -92,9 +117,10 @@ export function serve(engine) {
       return answer;
     },
     step: (request) => {
+      secondsApart = 0;
       const before = cpuSeconds();
       const stats = scene.step(request.step) ?? {};
-      const answer = {cpu: cpuSeconds() - before, stats};
+      const answer = {cpu: Math.max(0, cpuSeconds() - before - secondsApart), stats};
       addState(answer, scene, frame);
       return answer;
     },
@@ -120,7 +146,7 @@ function answerTo(handlers, request) {
   try {
     return handlers[request.request](request);
   } catch (error) {
-    if (!(error instanceof Unsupported)) {
+    if (!(error instanceof Unsupported || error instanceof GaveUp)) {
       console.error(error);
     }
     return {error: String(error?.message ?? error), unsupported: error instanceof Unsupported};

@@ -3,13 +3,14 @@
 //
 // Rapier divides a step into `iterations` sub-steps (numSolverIterations), each of which integrates positions. Sleeping is
 // off; damping is off as shipped. Colliders have no density: mass and inertia are those of the scene. Capsules and
-// cylinders have their axis along y, and are turned. A moving mesh would be a hollow surface: meshes are unsupported.
+// cylinders have their axis along y, and are turned. A mesh is a surface of oriented triangles; Rapier's fix of internal edges
+// keeps flat parts from being rough.
 //
 // Rapier combines the coefficients of two colliders by a rule. Where no rule gives all pairs of materials theirs, a body
 // has several colliders of the same shape (materials.mjs).
 //
 // Contacts have points only: friction impulses are along tangents that the JavaScript interface does not give.
-import {serve} from './protocol.mjs';
+import {apart, packageOf, serve} from './protocol.mjs';
 import {applyForces, principalPose, principalVertices, product, rotate, solidOf, writeState} from './mechanics.mjs';
 import {colliderPlan, rules} from './materials.mjs';
 
@@ -17,6 +18,7 @@ const isDeterministic = process.argv[2] === 'deterministic';
 const name = isDeterministic ? '@dimforge/rapier3d-deterministic-compat' : '@dimforge/rapier3d-compat';
 const {default: RAPIER} = await import(name);
 await RAPIER.init();
+const {files} = packageOf(name);
 
 const vector = ([x, y, z]) => ({x, y, z});
 const quaternion = ([w, x, y, z]) => ({w, x, y, z});
@@ -43,6 +45,9 @@ function colliderOf(setup, body) {
       return RAPIER.ColliderDesc.capsule(shape.half_height, shape.radius).setRotation(quaternion(yToZ));
     case 'cylinder':
       return RAPIER.ColliderDesc.cylinder(shape.half_height, shape.radius).setRotation(quaternion(yToZ));
+    case 'mesh':
+      return RAPIER.ColliderDesc.trimesh(principalVertices(solidOf(setup, body)), Uint32Array.from(solidOf(setup, body).triangles.flat()),
+        RAPIER.TriMeshFlags.FIX_INTERNAL_EDGES | RAPIER.TriMeshFlags.ORIENTED);
     default:
       return RAPIER.ColliderDesc.convexHull(principalVertices(solidOf(setup, body)));
   }
@@ -85,7 +90,6 @@ function create(setup) {
   const bodies = setup.bodies.map((body) => addBody(world, setup, body, plan));
   const indexOf = new Map(bodies.flatMap(({colliders}, index) => colliders.map(({collider}) => [collider.handle, index])));
   let before = [];
-  let now = [];
   const orientationOf = (index) => arrayOf(bodies[index].made.rotation());
 
   /** Calls visit(a, b, manifold, flipped) for each manifold with a < b; flipped: its first collider is that of b. */
@@ -112,6 +116,7 @@ function create(setup) {
 
   return {
     step(number) {
+      before = apart(() => bodies.map(({made}) => ({x: array(made.translation()), q: arrayOf(made.rotation())})));
       bodies.forEach(({made}) => {
         made.resetForces(false);
         made.resetTorques(false);
@@ -125,8 +130,6 @@ function create(setup) {
         time_solve: 1e-3 * world.timingSolver()};
     },
     readFrame(frame) {
-      before = now;
-      now = bodies.map(({made}) => ({x: array(made.translation()), q: arrayOf(made.rotation())}));
       bodies.forEach(({made}, index) => {
         const body = setup.bodies[index];
         if (body.shape.type === 'plane') {
@@ -143,6 +146,9 @@ function create(setup) {
       }
       eachManifold((a, b, manifold, flipped) => {
         const normal = array(manifold.normal()).map((n) => (flipped ? -n : n));
+        if (normal.every((n) => n === 0)) { // meshes have such manifolds, without a meaning
+          return;
+        }
         for (let i = 0; i < manifold.numContacts(); ++i) {
           const distance = manifold.contactDist(i);
           if (distance < options.prediction) {
@@ -188,8 +194,9 @@ serve({
   integrator: 'semi-implicit Euler',
   gyroscopic: 'explicit',
   substeps: shipped.numSolverIterations,
-  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull'],
+  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull', 'mesh'],
   contacts: ['points'],
+  files,
   reads: ['settings', 'pairs'],
   profiles: [
     {name: 'default', help: 'as shipped', in_default_comparison: true, step_code: 'world.timestep = {}; world.step();'},
