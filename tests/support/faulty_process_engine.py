@@ -30,12 +30,24 @@ for line in sys.stdin:
             answer["protocol"] = "plumb.engine/9"
         if fault == "option-range":
             answer["options"][0]["value"] = -5
+        if fault == "half-substep":
+            answer["substeps"] = 2.7
+        if fault == "busy-start":
+            burn(1)
         if fault == "unknown-capability":
             answer["capabilities"].append("joints")
     if kind == "create" and fault == "unsupported":
         answer = {"id": request["id"], "error": "no spheres on Tuesdays", "unsupported": True}
     if kind == "create" and fault == "error":
         answer = {"id": request["id"], "error": "the world is full"}
+    if kind == "create" and fault == "error-object":
+        answer = {"id": request["id"], "error": {"message": "the world is full"}}
+    if kind == "create" and fault == "no-reason":
+        answer["unsupported"] = True
+    if kind == "create" and fault == "unsupported-text":
+        answer["unsupported"] = "yes"
+    if kind == "step" and fault in ("too-much-time-each", "busy-start"):
+        answer["cpu"] = 0.005
     if kind == "step" and request["step"] == 3:
         if fault == "signal":
             os.kill(os.getpid(), signal.SIGSEGV)
@@ -74,6 +86,17 @@ for line in sys.stdin:
             answer["frame"][2] = "high"
         if fault == "beyond-the-file":
             answer["frame"] = {"offset": 1000000, "count": len(answer["frame"])}
+        if fault == "half-an-offset":
+            answer["frame"] = {"offset": 0.5, "count": len(answer["frame"])}
+        if fault == "half-a-count":
+            answer["frame"] = {"offset": 0, "count": len(answer["frame"]) + 0.5}
+        if fault == "numbers-memory":
+            for mib in range(300):
+                os.pwrite(3, bytes(1 << 20), mib << 20)
+        if fault == "long-answer":
+            answer["note"] = "x" * (150 << 20)
+        if fault == "stats-array":
+            answer["stats"] = [1, 2]
         if fault == "contact-of-nobody":
             answer["contacts"] = [0, 99, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0]
         if fault == "odd-contacts":
