@@ -36,7 +36,7 @@ row garbage crashed 'answer to step 3: expected a JSON object on a line, found "
 row half-a-line crashed 'called exit\(0\) instead of answering step 3, in the middle of a line'
 row flood crashed 'answer to step 3: longer than 256 MiB without an end'
 row lines crashed 'answer to step 3: id: expected'
-row twice crashed 'more than one line as the answer'
+row twice crashed 'more than one line as the answer|answer to step 4: id: expected 7, found 6'
 row late crashed 'answer to step 3: id: expected'
 row short-frame crashed 'frame: expected 39 numbers, 13 a body, found 38'
 row nan crashed 'answer to step 3: expected a JSON object on a line, found .*NaN'
