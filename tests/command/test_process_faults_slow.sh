@@ -72,6 +72,12 @@ expect 2 'substeps: expected an integer of 1 to 1000000, found 2.7' cradle --eng
 expect 2 'capabilities\[3\]: expected one of .*, found "joints"' cradle --engine "exec:python3 $faulty toy unknown-capability"
 expect 3 'cannot be run|exit\(' cradle --engine "exec:$SOURCE/README.md"
 
+command=check-engine
+for leak in step scene; do
+    expect 1 'holds no more bytes of memory than the one before' --check "$leak-leaks" "exec:python3 $faulty toy $leak-leak"
+    expect 0 'ok +'"$leak-leaks" --check "$leak-leaks" "exec:python3 $faulty toy none"
+done
+
 sleep 0.2
 pgrep -f "$faulty|sleep 321" && note_failure 'a process of an engine is left'
 exit $failed

@@ -4,6 +4,7 @@ import json, os, signal, subprocess, sys, time
 folder, fault = sys.argv[1:]
 engine = subprocess.Popen(["python3", folder + "/engine.py"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 previous = None
+held = []
 
 def say(text):
     sys.stdout.write(text)
@@ -22,7 +23,8 @@ for line in sys.stdin:
     engine.stdin.flush()
     answer = json.loads(engine.stdout.readline())
     kind = request["request"]
-    text = None
+    if "cpu" in answer:
+        answer["cpu"] = 0  # that of this process is counted, not the engine's
     if kind == "hello":
         if fault == "hang-in-hello":
             time.sleep(100)
@@ -46,6 +48,8 @@ for line in sys.stdin:
         answer["unsupported"] = True
     if kind == "create" and fault == "unsupported-text":
         answer["unsupported"] = "yes"
+    if kind == "step" and fault == "step-leak" or kind == "create" and fault == "scene-leak":
+        held.append(b"x" * (1 << 16))
     if kind == "step" and fault in ("too-much-time-each", "busy-start"):
         answer["cpu"] = 0.005
     if kind == "step" and request["step"] == 3:
@@ -112,7 +116,7 @@ for line in sys.stdin:
         if fault == "no-time":
             del answer["cpu"]
         if fault == "memory":
-            held = [bytearray(1 << 20) for _ in range(1 << 14)]
+            held += [bytearray(1 << 20) for _ in range(1 << 14)]
         if fault == "grandchild":
             subprocess.Popen(["sleep", "321"])
             sys.exit(0)
