@@ -74,8 +74,8 @@ expect 3 'cannot be run|exit\(' cradle --engine "exec:$SOURCE/README.md"
 
 command=check-engine
 for leak in step scene; do
-    expect 1 'holds no more bytes of memory than the one before' --check "$leak-leaks" "exec:python3 $faulty toy $leak-leak"
-    expect 0 'ok +'"$leak-leaks" --check "$leak-leaks" "exec:python3 $faulty toy none"
+    expect 1 'holds no more bytes of memory than the one before' --check "$leak-leaks" "exec:python3 $faulty toy $leak-leak,iterations=5"
+    expect 0 'ok +'"$leak-leaks" --check "$leak-leaks" "exec:python3 $faulty toy none,iterations=5"
 done
 
 sleep 0.2
