@@ -42,6 +42,8 @@ for line in sys.stdin:
         answer = {"id": request["id"], "error": "no spheres on Tuesdays", "unsupported": True}
     if kind == "create" and fault == "error":
         answer = {"id": request["id"], "error": "the world is full"}
+    if kind == "create" and fault == "half-substep-read":
+        answer["settings"]["substeps"] = 2.7
     if kind == "create" and fault == "error-object":
         answer = {"id": request["id"], "error": {"message": "the world is full"}}
     if kind == "create" and fault == "no-reason":

@@ -157,6 +157,12 @@ static bool read_created(const json_t *answer, void *user, pl_diagnostic *diagno
         return pl_diagnose_field(diagnostic, "settings", "expected an object, found %s",
                                  pl_json_found(settings, found));
     }
+    const json_t *substeps = json_object_get(settings, "substeps");
+    const double number = json_number_value(substeps);
+    if (json_is_number(substeps) && !(fabs(number) < 1e6 && number == floor(number))) {
+        pl_path_push_key(&diagnostic->path, "settings");
+        return pl_check_number(diagnostic, "substeps", number, false, "an integer");
+    }
     instance->settings = json_is_object(settings) ? json_incref(settings) : NULL;
     return true;
 }
@@ -345,7 +351,7 @@ static void process_read_settings(const pl_engine_instance *instance, pl_engine_
     take_number(json_object_get(s, "dt"), &settings->dt);
     take_number(json_object_get(s, "linear_damping"), &settings->linear_damping);
     take_number(json_object_get(s, "angular_damping"), &settings->angular_damping);
-    if (json_is_number(substeps) && fabs(json_number_value(substeps)) < 1e6) {
+    if (json_is_number(substeps)) {
         settings->substeps = (int)json_number_value(substeps);
     }
     for (size_t k = 0; k < 3; ++k) {
@@ -462,9 +468,8 @@ static bool next_word(const char **at, char *word, size_t size)
             quote = quote == '\0' ? *c : '\0';
             continue;
         }
-        const bool escapes =
-            *c == '\\' && c[1] != '\0' &&
-            (quote == '\0' || (quote == '"' && strchr("$`\"\\", c[1]) != NULL));
+        const bool escapes = *c == '\\' && c[1] != '\0' &&
+                             (quote == '\0' || (quote == '"' && strchr("$`\"\\", c[1]) != NULL));
         c += escapes ? 1 : 0;
         if (length + 1 < size) {
             word[length++] = *c;

@@ -345,7 +345,8 @@ pl_status pl_channel_ask(pl_channel *channel, const char *what, pl_answer_reader
 
 static bool wrong_numbers(const json_t *found, const char *key, pl_diagnostic *diagnostic)
 {
-    const json_t *count = json_object_get(found, "count"), *offset = json_object_get(found, "offset");
+    const json_t *count = json_object_get(found, "count"),
+                 *offset = json_object_get(found, "offset");
     char text[PL_FOUND_SIZE], more[PL_FOUND_SIZE];
     if (count != NULL && offset != NULL) {
         return pl_diagnose_field(diagnostic, key,

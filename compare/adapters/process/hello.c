@@ -317,8 +317,7 @@ static bool read_substeps(const json_t *answer, int *substeps, pl_diagnostic *di
     }
     const bool is_right = number >= 1 && number <= 1e6 && number == floor(number);
     *substeps = is_right ? (int)number : 0;
-    return pl_check_number(diagnostic, "substeps", number, is_right,
-                           "an integer of 1 to 1000000");
+    return pl_check_number(diagnostic, "substeps", number, is_right, "an integer of 1 to 1000000");
 }
 
 bool pl_hello_read(const json_t *answer, pl_hello *hello, pl_diagnostic *diagnostic)
