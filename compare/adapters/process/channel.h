@@ -28,7 +28,8 @@ typedef struct pl_channel {
 /* Reads an answer. False with a diagnostic when it is not right. */
 typedef bool (*pl_answer_reader)(const json_t *answer, void *user, pl_diagnostic *diagnostic);
 
-/* Runs `/bin/sh -c "exec COMMAND"`. PL_IO: no process or pipe can be made. */
+/* Runs `/bin/sh -c "exec COMMAND"`, with `exec env` where the command begins with a variable. PL_IO:
+ * no process or pipe can be made. */
 pl_status pl_channel_open(pl_channel *channel, const char *command, pl_error *error);
 
 /* Ends the program's standard input, waits up to a second for its end, and then kills it. Frees what
