@@ -1,5 +1,7 @@
 #include "built_in.h"
 
+#include "base/text_buffer.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,6 +51,7 @@ const pl_built_in *pl_built_in_engines(int *count)
         WEB("havok", "havok.mjs", "@babylonjs/havok"),
         WEB("cannon", "cannon.mjs", "cannon-es"),
     };
+    _Static_assert(sizeof all / sizeof *all <= PL_MOST_BUILT_IN, "PL_MOST_BUILT_IN is too small");
     *count = (int)(sizeof all / sizeof *all);
     return all;
 }
@@ -87,8 +90,15 @@ bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size
     if (built_in->script == NULL) {
         return false;
     }
+    char path[4096];
+    pl_text_buffer text = {0};
     const int length = (int)strcspn(built_in->script, " ");
-    snprintf(command, size, "node '%s/%.*s'%s", FOLDER, length, built_in->script,
-             built_in->script + length);
-    return true;
+    snprintf(path, sizeof path, "%s/%.*s", FOLDER, length, built_in->script);
+    pl_text_add(&text, "node ");
+    pl_text_add_shell(&text, path);
+    pl_text_add(&text, built_in->script + length);
+    const bool is_written = !text.failed;
+    snprintf(command, size, "%s", is_written ? text.data : "");
+    pl_text_free(&text);
+    return is_written;
 }

@@ -33,8 +33,12 @@ typedef struct pl_built_in {
  * package are installed. */
 bool pl_built_in_is_present(const pl_built_in *built_in);
 
-/* The command that runs an engine that is a program, in `command` of that size; false: it is linked. */
+/* The command that runs an engine that is a program, in `command` of that size; false: it is linked, or
+ * memory is out. */
 bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size);
+
+/* More than there are. */
+enum { PL_MOST_BUILT_IN = 24 };
 
 /* All of them in the order of reports, absent ones too. Static storage. */
 const pl_built_in *pl_built_in_engines(int *count);

@@ -56,7 +56,7 @@ static pl_status add_engine(const pl_built_in *built_in, pl_table *table, bool *
     const bool has_fault = engine->fault.is_fault;
     *faulty = *faulty || has_fault;
     pl_table_add(table, has_fault ? "fault" : engine->version);
-    pl_table_add(table, engine->runtime == NULL ? "native" : engine->runtime);
+    pl_table_add(table, pl_engine_runtime(engine));
     describe_conformance(engine, text, sizeof text);
     pl_table_add(table, has_fault ? engine->fault.reason : text);
     return PL_OK;

@@ -52,19 +52,17 @@ static const file PROCESS_FILES[] = {
 static const char *const FOLDERS[] = {"include", "include/plumb"};
 
 /* What a folder is made of. */
-typedef struct template
-{
+typedef struct engine_template {
     const file *files; /* (file_count) */
     int file_count;
     const char *const *folders; /* (folder_count), each after the one that it is in */
     int folder_count;
-}
-template;
+} engine_template;
 
-static const template ADAPTER = {FILES, sizeof FILES / sizeof *FILES, FOLDERS,
-                                 sizeof FOLDERS / sizeof *FOLDERS};
-static const template PROCESS = {PROCESS_FILES, sizeof PROCESS_FILES / sizeof *PROCESS_FILES, NULL,
-                                 0};
+static const engine_template ADAPTER = {FILES, sizeof FILES / sizeof *FILES, FOLDERS,
+                                        sizeof FOLDERS / sizeof *FOLDERS};
+static const engine_template PROCESS = {PROCESS_FILES, sizeof PROCESS_FILES / sizeof *PROCESS_FILES,
+                                        NULL, 0};
 
 /* What stands for the engine's name in those texts. */
 static const char PLACEHOLDER[] = "my_engine";
@@ -177,7 +175,8 @@ static pl_status write_file(const char *folder, const file *from, const char *na
     return status;
 }
 
-static pl_status fill(const template *of, const char *folder, const char *name, pl_error *error)
+static pl_status fill(const engine_template *of, const char *folder, const char *name,
+                      pl_error *error)
 {
     pl_status status = PL_OK;
     for (int i = 0; i < of->folder_count && status == PL_OK; ++i) {
@@ -193,7 +192,7 @@ static pl_status fill(const template *of, const char *folder, const char *name, 
 }
 
 /* Removes what fill wrote, as far as it came. */
-static void clear(const template *of, const char *folder)
+static void clear(const engine_template *of, const char *folder)
 {
     for (int i = 0; i < of->file_count + of->folder_count; ++i) {
         const int after = i - of->file_count;
@@ -208,7 +207,8 @@ static void clear(const template *of, const char *folder)
 }
 
 /* Makes the folder under another name first, so that it is there whole or not at all. */
-static pl_status make(const template *of, const char *path, const char *name, pl_error *error)
+static pl_status make(const engine_template *of, const char *path, const char *name,
+                      pl_error *error)
 {
     char *temporary = NULL;
     if (asprintf(&temporary, "%s.%ld.tmp", path, (long)getpid()) < 0) {

@@ -135,11 +135,6 @@ static json_t *list_contacts(uint32_t contacts)
     return list;
 }
 
-static const char *runtime_of(const pl_engine_info *engine)
-{
-    return engine->runtime == NULL ? "native" : engine->runtime;
-}
-
 /* What is known of an engine, added to its item. Of one that could not be asked, the fault. */
 static pl_status describe_engine(json_t *item, const pl_engine_info *e, pl_error *error)
 {
@@ -154,7 +149,7 @@ static pl_status describe_engine(json_t *item, const pl_engine_info *e, pl_error
     }
     json_t *known = json_pack(
         "{s:s, s:s, s:s, s:s, s:s, s:o, s:s, s:i, s:o, s:o, s:o, s:o*}", "version", e->version,
-        "description", e->description, "runtime", runtime_of(e), "precision",
+        "description", e->description, "runtime", pl_engine_runtime(e), "precision",
         precision_name(e->precision), "integrator", integrator_name(e->integrator), "contacts",
         list_contacts(e->contacts), "binary", e->binary, "substeps", e->substeps, "profiles",
         list_profiles(e), "tuned", tuned, "options", list_options(e), "words", words_of(e));

@@ -357,29 +357,13 @@ static pl_status add_native_engines(const pl_call *call, pl_plan *plan, pl_error
     return status;
 }
 
-/* Whether `names`, separated by commas, has the name, or is "all". */
-static bool is_named(const pl_texts *with, const char *name)
-{
-    const size_t length = strlen(name);
-    for (int i = 0; i < with->count; ++i) {
-        for (const char *at = with->items[i]; *at != '\0';) {
-            const size_t size = strcspn(at, ",");
-            if ((size == 3 && strncmp(at, "all", size) == 0) ||
-                (size == length && strncmp(at, name, size) == 0)) {
-                return true;
-            }
-            at += size + (at[size] == ',');
-        }
-    }
-    return false;
-}
-
-/* A usage error for a name that is none. */
-static pl_status check_with(const pl_texts *with, pl_error *error)
+/* Marks in wanted[PL_MOST_BUILT_IN] the engines that --with names, all of them for "all". A usage error
+ * for a name that is none. */
+static pl_status read_with(const pl_texts *with, bool *wanted, pl_error *error)
 {
     int count;
     const pl_built_in *known = pl_built_in_engines(&count);
-    const char *names[32] = {"all"};
+    const char *names[PL_MOST_BUILT_IN + 1] = {"all"};
     for (int i = 0; i < count; ++i) {
         names[i + 1] = known[i].name;
     }
@@ -389,8 +373,10 @@ static pl_status check_with(const pl_texts *with, pl_error *error)
             const size_t size = strcspn(at, ",");
             bool is_known = false;
             snprintf(name, sizeof name, "%.*s", (int)size, at);
-            for (int k = 0; k <= count; ++k) {
-                is_known = is_known || strcmp(names[k], name) == 0;
+            for (int k = 0; k < count; ++k) {
+                const bool is_meant = strcmp(name, "all") == 0 || strcmp(name, known[k].name) == 0;
+                wanted[k] = wanted[k] || is_meant;
+                is_known = is_known || is_meant;
             }
             if (!is_known) {
                 return pl_fail(error, PL_BAD_INPUT, "--with: there is no engine \"%s\"%s", name,
@@ -408,10 +394,11 @@ static pl_status add_further_engines(const pl_call *call, const pl_request *requ
 {
     int count;
     const pl_built_in *known = pl_built_in_engines(&count);
-    pl_status status = check_with(&request->with, error);
+    bool wanted[PL_MOST_BUILT_IN] = {false};
+    pl_status status = read_with(&request->with, wanted, error);
     for (int i = 0; i < count && status == PL_OK; ++i) {
         const bool is_there = known[i].script == NULL && request->engines.count == 0;
-        if (is_named(&request->with, known[i].name) && !is_there) {
+        if (wanted[i] && !is_there) {
             status = pass_over(call, add_proposed(&known[i], plan, error), error);
         }
     }

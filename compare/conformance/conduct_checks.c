@@ -16,9 +16,9 @@
 size_t __sanitizer_get_current_allocated_bytes(void);
 #endif
 
-/* The least growth of the heap that counts as a leak, a scene or a step: malloc's smallest
- * block. */
-static const double LEAST_LEAK = 16;
+/* The least growth of memory that counts as a leak, bytes a scene or a step: malloc's smallest block.
+ * The memory of a program is seen from outside, in pages, with what its runtime keeps for later. */
+static const double LEAST_LEAK = 16, LEAST_LEAK_OF_PROGRAM = 32768;
 
 /* ---- Scenes ---- */
 
@@ -224,6 +224,24 @@ static double heap_in_use(void)
 #endif
 }
 
+/* Bytes that a process has of its own; NAN: the system does not say. */
+static double private_memory(pid_t pid)
+{
+    char path[64], line[128];
+    double kib = (double)NAN;
+    snprintf(path, sizeof path, "/proc/%d/smaps_rollup", (int)pid);
+    FILE *file = fopen(path, "re");
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        if (sscanf(line, "Private_Dirty: %lf", &kib) == 1) {
+            break;
+        }
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return 1024 * kib;
+}
+
 /* Entries of a folder of a process in /proc. */
 static double count_entries(pid_t pid, const char *name)
 {
@@ -242,23 +260,23 @@ static double count_entries(pid_t pid, const char *name)
 
 /* What a leak would show in. */
 typedef struct holdings {
-    double heap; /* bytes */
+    double memory; /* bytes */
     double descriptors;
     double threads;
 } holdings;
 
-/* Of an engine that is a program, its files and threads: what it allocates cannot be seen. */
 static holdings holdings_now(void)
 {
     const pid_t program = pl_process_engine_pid();
     const pid_t pid = program > 0 ? program : getpid();
-    return (holdings){.heap = program > 0 ? 0 : heap_in_use(),
+    return (holdings){.memory = program > 0 ? private_memory(pid) : heap_in_use(),
                       .descriptors = count_entries(pid, "fd"),
                       .threads = count_entries(pid, "task")};
 }
 
-/* glibc counts freed blocks in its caches as in use, and fills these over the first rounds. */
-enum { ROUNDS = 10, CYCLES = 10, SETTLED_STEPS = 100 };
+/* glibc counts freed blocks in its caches as in use, and fills these over the first rounds. A runtime
+ * that collects garbage grows in some rounds, but not in all. */
+enum { ROUNDS = 20, CYCLES = 10, SETTLED_STEPS = 100 };
 
 /* The growth for each of `count` equal pieces of work in a round that is in every round after the
  * first, which warms up: the least of them. */
@@ -274,17 +292,20 @@ static double least_growth(const double *level, int count)
 static void expect_no_growth(pl_probe *p, const holdings rounds[ROUNDS], int count,
                              const char *work)
 {
-    double heap[ROUNDS], descriptors[ROUNDS], threads[ROUNDS];
+    const bool is_program = p->choice->engine->command != NULL;
+    double memory[ROUNDS], descriptors[ROUNDS], threads[ROUNDS];
     char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
     for (int i = 0; i < ROUNDS; ++i) {
-        heap[i] = rounds[i].heap;
+        memory[i] = rounds[i].memory;
         descriptors[i] = rounds[i].descriptors;
         threads[i] = rounds[i].threads;
     }
+    const bool is_seen = !isnan(memory[0]);
     const struct {
         const char *what;
         double growth, least;
-    } kinds[] = {{"bytes of memory", least_growth(heap, count), LEAST_LEAK},
+    } kinds[] = {{"bytes of memory", is_seen ? least_growth(memory, count) : 0,
+                  is_program ? LEAST_LEAK_OF_PROGRAM : LEAST_LEAK},
                  {"open files", least_growth(descriptors, count), 0.5},
                  {"threads", least_growth(threads, count), 0.5}};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
@@ -292,7 +313,12 @@ static void expect_no_growth(pl_probe *p, const holdings rounds[ROUNDS], int cou
                  kinds[i].what);
         snprintf(found, sizeof found, "%.4g more each time", kinds[i].growth);
         pl_probe_require(p, kinds[i].growth < kinds[i].least, expected, found,
-                         "a leak: destroy frees what create and step made");
+                         is_program
+                             ? "a leak, or garbage of which the runtime collected none so far"
+                             : "a leak: destroy frees what create and step made");
+    }
+    if (!is_seen) {
+        pl_probe_skip(p, "the system does not say how much memory the program has");
     }
 }
 

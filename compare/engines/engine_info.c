@@ -121,8 +121,6 @@ static json_t *sources_json(const pl_engine *engine)
     return list;
 }
 
-/* `user` of the job is the info, of which the fields about the origin are set. */
-
 static bool gives_contact_problems(const pl_engine *engine, FILE *answer)
 {
     fenv_t environment;
@@ -133,7 +131,7 @@ static bool gives_contact_problems(const pl_engine *engine, FILE *answer)
     return gives;
 }
 
-static pl_status describe(const pl_engine_info *job, FILE *answer, json_t **description,
+static pl_status describe(const pl_engine_info *info, FILE *answer, json_t **description,
                           pl_error *error)
 {
     char hash[17];
@@ -142,14 +140,14 @@ static pl_status describe(const pl_engine_info *job, FILE *answer, json_t **desc
     const int mapped = pl_mapped_file_count();
     report_stage(answer, "while it was loaded");
     const char *libraries =
-        job->built_in == NULL || job->path != NULL ? NULL : job->built_in->libraries;
-    const pl_engine_origin origin = pl_engine_origin_of(job);
+        info->built_in == NULL || info->path != NULL ? NULL : info->built_in->libraries;
+    const pl_engine_origin origin = pl_engine_origin_of(info);
     pl_status status = pl_load_engine(&origin, &loaded, error);
     if (status == PL_OK) {
         status = loaded.is_program ? pl_program_hash(hash, error)
                                    : pl_binary_hash(mapped, libraries, hash, error);
     }
-    if (status == PL_OK && job->path != NULL) {
+    if (status == PL_OK && info->path != NULL) {
         status = pl_binary_stamp(mapped, stamp, error);
     }
     if (status != PL_OK) {
@@ -174,10 +172,12 @@ static pl_status describe(const pl_engine_info *job, FILE *answer, json_t **desc
         return PL_OK;
     }
     const pl_error cause = *error;
-    return cause.status == PL_OK ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                                 : pl_fail(error, cause.status, "%s: %s", job->spec, cause.message);
+    return cause.status == PL_OK
+               ? pl_fail(error, PL_NO_MEMORY, "out of memory")
+               : pl_fail(error, cause.status, "%s: %s", info->spec, cause.message);
 }
 
+/* `user` is the info, of which the fields about the origin are set. */
 static void describe_and_answer(void *user, FILE *answer)
 {
     json_t *description = NULL;
@@ -475,6 +475,11 @@ pl_status pl_engine_describe(const char *path, const char *command, const pl_bui
     first = known;
     *info = &known->info;
     return PL_OK;
+}
+
+const char *pl_engine_runtime(const pl_engine_info *info)
+{
+    return info->runtime == NULL ? "native" : info->runtime;
 }
 
 int pl_engine_option_index(const pl_engine_info *info, const char *name)

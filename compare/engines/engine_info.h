@@ -62,6 +62,9 @@ pl_engine_origin pl_engine_origin_of(const pl_engine_info *info);
 /* Size of a SPEC, with its terminating zero. */
 enum { PL_SPEC_SIZE = 1024 };
 
+/* What runs its code: "native" where it says nothing else. */
+const char *pl_engine_runtime(const pl_engine_info *info);
+
 /* The index of the engine's option of that name; -1 when it has none. */
 int pl_engine_option_index(const pl_engine_info *info, const char *name);
 

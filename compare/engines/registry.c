@@ -1,15 +1,16 @@
 /* SPEC = name[:profile][,option=value]...[,label=TEXT] */
 #include "registry.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_KNOWN = 24 };
-
 /* How the SPEC of a program begins. */
 static const char EXEC[] = "exec:";
+
+static const char BLANKS[] = " \t\n";
 
 static bool is_program(const char *spec)
 {
@@ -22,7 +23,22 @@ static size_t word_length(const char *text)
     return strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-");
 }
 
-/* Whether `text` is [:PROFILE][,OPTION=VALUE]... to its end. */
+/* Length of the value of the option that begins at `text`, a number; of a label, any text. 0: it has
+ * none. */
+static size_t value_length(const char *text, size_t name_length)
+{
+    static const char LABEL[] = "label";
+    const char *value = text + name_length + 1;
+    const size_t length = strcspn(value, ",");
+    char *end = NULL;
+    if (name_length == strlen(LABEL) && strncmp(text, LABEL, name_length) == 0) {
+        return length;
+    }
+    strtod(value, &end);
+    return isspace((unsigned char)*value) || end != value + length ? 0 : length;
+}
+
+/* Whether `text` is [:PROFILE][,OPTION=NUMBER]... to its end. */
 static bool is_choice(const char *text)
 {
     if (*text == ':') {
@@ -37,8 +53,11 @@ static bool is_choice(const char *text)
         if (length == 0 || text[1 + length] != '=') {
             return false;
         }
-        text += 1 + length;
-        text += strcspn(text, ",");
+        const size_t value = value_length(text + 1, length);
+        if (value == 0) {
+            return false;
+        }
+        text += 1 + length + 1 + value;
     }
     return *text == '\0';
 }
@@ -101,7 +120,7 @@ pl_status pl_engine_of_build(const pl_built_in *built_in, const pl_engine_info *
 
 static pl_status find_built_in(const char *name, const pl_engine_info **engine, pl_error *error)
 {
-    const char *names[MOST_KNOWN];
+    const char *names[PL_MOST_BUILT_IN];
     int count = 0;
     const pl_built_in *all = pl_built_in_engines(&count);
     for (int i = 0; i < count; ++i) {
@@ -124,8 +143,11 @@ static pl_status find_profile(const pl_engine_info *engine, const char *name, in
     for (int i = 0; i < engine->profile_count; ++i) {
         names[i] = engine->profiles[i].name;
     }
-    char what[96];
-    snprintf(what, sizeof what, "profile of engine %s", engine->name);
+    char what[160];
+    const bool is_users = engine->command != NULL && engine->built_in == NULL;
+    snprintf(what, sizeof what, "profile of engine %s%s%.80s%s", engine->name,
+             is_users ? ", whose command is " : "", is_users ? engine->command : "",
+             is_users ? "," : "");
     return fail_unknown(error, what, name, names, engine->profile_count);
 }
 
@@ -246,6 +268,10 @@ pl_status pl_engine_choose(const char *spec, pl_engine_choice *choice, pl_error 
     char text[sizeof made.spec];
     memcpy(text, spec, length + 1);
     char *rest = text + name_length(text);
+    if (is_program(text) && rest == text + strlen(EXEC) + strspn(text + strlen(EXEC), BLANKS)) {
+        return pl_fail(error, PL_BAD_INPUT, "engine \"%s\": expected a command after \"%s\"", spec,
+                       EXEC);
+    }
     char separator = cut(&rest, ":,");
     pl_status status =
         is_program(text) ? pl_engine_describe(NULL, text + strlen(EXEC), NULL, &made.engine, error)

@@ -24,8 +24,8 @@ pl_status pl_engine_of_build(const pl_built_in *built_in, const pl_engine_info *
 
 /* Parses `name[:profile][,option=value]...[,label=TEXT]`, where name is a built-in engine, the path
  * of a shared object (it has a '/' or ends in ".so"), or "exec:" and the command of a program that
- * speaks plumb.engine/1, which ends where the rest is a profile and options. The default profile is the engine's
- * first. A profile that the engine does not have itself is looked up in the files that
+ * speaks plumb.engine/1. That command ends where the rest is a profile and options with numbers; one
+ * that itself ends so is followed by its profile. The default profile is the engine's first. A profile that the engine does not have itself is looked up in the files that
  * PLUMB_PROFILES names and in those that come with Plumb. An engine with a fault
  * (pl_engine_info.fault) is chosen too; its profile and
  * options are then not checked. PL_BAD_INPUT: an unknown name, profile or option (the nearest one

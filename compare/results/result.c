@@ -195,9 +195,8 @@ json_t *pl_run_identity(const pl_run_view *run)
     failed |= json_object_set_new(identity, "primary_error", json_string(run->primary_error));
     failed |= json_object_set_new(identity, "acceptance", pl_json_number_or_null(run->acceptance));
     failed |= json_object_set_new(identity, "engine_spec", spec_json(run));
-    failed |= json_object_set_new(
-        identity, "engine_runtime",
-        json_string(run->engine->runtime == NULL ? "native" : run->engine->runtime));
+    failed |= json_object_set_new(identity, "engine_runtime",
+                                  json_string(pl_engine_runtime(run->engine)));
     failed |= json_object_set_new(identity, "as_shipped", json_boolean(is_as_shipped(run)));
     failed |=
         json_object_set_new(identity, "conformance", pl_conformance_to_json(&run->conformance));

@@ -1,5 +1,6 @@
 #include "isolated_run.h"
 
+#include "adapters/process/channel.h"
 #include "base/json_field.h"
 #include "results/run_verdict.h"
 
@@ -9,7 +10,6 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
-#include <time.h>
 
 /* In the child: the result as JSON is the answer. */
 static pl_status answer_result(const pl_run_result *result, void *user, pl_error *error)
@@ -130,17 +130,6 @@ static bool was_reported(const pl_isolated_run *run)
     return atomic_load(&run->def.watch->stage) == PL_STAGE_REPORT;
 }
 
-/* CPU time that a process has used, s; 0: there is none. */
-static double cpu_time_of(pid_t pid)
-{
-    clockid_t clock;
-    struct timespec used;
-    if (pid <= 0 || clock_getcpuclockid(pid, &clock) != 0 || clock_gettime(clock, &used) != 0) {
-        return 0;
-    }
-    return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
-}
-
 void pl_isolated_run_look(pl_isolated_run *run)
 {
     const int stage = atomic_load(&run->def.watch->stage);
@@ -149,7 +138,7 @@ void pl_isolated_run_look(pl_isolated_run *run)
         return;
     }
     const double cpu_time =
-        cpu_time_of(run->process.pid) + cpu_time_of(atomic_load(&run->def.watch->program));
+        pl_cpu_time_of(run->process.pid) + pl_cpu_time_of(atomic_load(&run->def.watch->program));
     const bool is_limited =
         stage == PL_STAGE_CREATE || stage == PL_STAGE_STEP || stage == PL_STAGE_READ;
     if (!is_limited || stage != run->call || step != run->call_step) {

@@ -13,9 +13,10 @@ for engine in plumb ode bullet mujoco; do
     "$PLUMB" list engines "$engine" >/dev/null 2>&1 || continue
     served="exec:$BUILD/process_server $engine"
     for scenario in "tower --duration 0.5" "pile --set n=30 --duration 0.5" "medley --duration 0.3"; do
+        [[ $engine$scenario != mujocomedley* ]] || continue # it has no meshes
         hash_of "$engine" $scenario >direct
         hash_of "$served" $scenario >through
-        cmp -s direct through || note_failure "$engine on $scenario: $(cat direct) and, served, $(cat through)"
+        [[ -s direct ]] && cmp -s direct through || note_failure "$engine on $scenario: $(cat direct) and, served, $(cat through)"
     done
     "$PLUMB" check-engine "$served" --quiet >checks || note_failure "served $engine: $(cat checks)"
 done

@@ -13,13 +13,38 @@ done
 python3 - "$SOURCE/compare/adapters/process/protocol.schema.json" <<'END' || note_failure "the schema does not hold"
 import json, sys
 import jsonschema
-validator = jsonschema.Draft202012Validator(json.load(open(sys.argv[1])))
+
+schema = json.load(open(sys.argv[1]))
 said = [json.loads(line) for line in open("said.jsonl")]
-faults = [error for message in said for error in validator.iter_errors(message)]
-assert {m.get("request") for m in said} >= {"hello", "create", "frame", "step", "pair", "destroy"}, "not all requests were made"
-wrong = dict(said[-1], frame="high", id="1")
-assert list(validator.iter_errors(wrong)), "a wrong message passes"
-if faults:
-    sys.exit("\n".join(f"{list(fault.absolute_path)}: {fault.message[:200]}" for fault in faults[:5]))
+pairs = list(zip(said[::2], said[1::2]))
+
+def faults(message, name):
+    part = {"$schema": schema["$schema"], "$defs": schema["$defs"], "$ref": "#/$defs/" + name}
+    return [f"{name} {list(f.absolute_path)}: {f.message[:200]}" for f in jsonschema.Draft202012Validator(part).iter_errors(message)]
+
+wrong = []
+for request, answer in pairs:
+    wrong += faults(request, "request") + faults(answer, request["request"] + "_answer")
+    wrong += [f"{answer} is an error"] if not faults(answer, "error_answer") else []
+
+REQUIRED = {"hello": {"id", "protocol", "name", "version"}, "create": {"id"}, "frame": {"id", "frame"},
+            "step": {"id", "cpu", "frame"}, "pair": {"id", "friction", "restitution"}, "destroy": {"id"}}
+for name, keys in REQUIRED.items():
+    request, answer = next((pair for pair in pairs if pair[0]["request"] == name), (None, None))
+    if request is None:
+        wrong.append(f"no request {name} was made")
+        continue
+    for key in answer:
+        without = {k: v for k, v in answer.items() if k != key}
+        if bool(faults(without, name + "_answer")) != (key in keys):
+            wrong.append(f"{name}: the key {key} is " + ("not required" if key in keys else "required"))
+        if key in keys and not faults(dict(answer, **{key: True}), name + "_answer"):
+            wrong.append(f"{name}: true passes as {key}")
+    for key in request:
+        if not faults({k: v for k, v in request.items() if k != key}, "request"):
+            wrong.append(f"{name}: the request passes without {key}")
+if not faults({"id": 1}, "error_answer") or faults({"id": 1, "error": "full", "unsupported": True}, "error_answer"):
+    wrong.append("an error is not as it should be")
+sys.exit("\n".join(wrong[:5]) or 0)
 END
 exit $failed

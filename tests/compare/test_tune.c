@@ -234,6 +234,37 @@ static void test_varied_fixed_and_given_parameters_are_kept(void **state)
     assert_contains(lowest.spec, "slop=1e-05");
 }
 
+/* An engine may be a long command. */
+static void test_a_long_command_keeps_all_options_or_is_refused(void **state)
+{
+    (void)state;
+    char spec[PL_SPEC_SIZE], wanted[64];
+    pl_engine_choice choice = choose("plumb:fast");
+    pl_engine_info engine = *choice.engine;
+    double values[PL_TUNE_MAX_PARAMETERS], step = 0;
+    pl_tune_space space;
+    pl_error error = {.message = ""};
+    const pl_tune_request request = {&choice, (double)NAN, NULL, 0, NULL, 0};
+    engine.spec = spec;
+    choice.engine = &engine;
+    snprintf(spec, sizeof spec, "exec:%0400d", 0);
+    assert_int_equal(pl_tune_space_make(&request, &space, &error), PL_OK);
+    for (int i = 0; i < space.parameter_count; ++i) {
+        values[i] = space.parameters[i].low;
+    }
+    const pl_engine_choice lowest = pl_tune_choice(&space, values, &step);
+    for (int i = 0; i < space.parameter_count; ++i) {
+        const pl_tune_parameter *parameter = &space.parameters[i];
+        if (parameter->option != PL_TUNE_RATE && parameter->low != parameter->start) {
+            snprintf(wanted, sizeof wanted, ",%.40s=%.15g", parameter->name, parameter->low);
+            assert_contains(lowest.spec, wanted);
+        }
+    }
+    snprintf(spec, sizeof spec, "exec:%01000d", 0);
+    assert_int_equal(pl_tune_space_make(&request, &space, &error), PL_BAD_INPUT);
+    assert_contains(error.message, "longer than 1023 characters");
+}
+
 static void check_bad_space(const char *vary, const char *fix, const char *part)
 {
     const pl_engine_choice choice = choose("plumb");
@@ -404,6 +435,7 @@ int main(void)
         cmocka_unit_test(test_cost_ratio_is_the_median_of_paired_repeats),
         cmocka_unit_test(test_parameter_tables_lie_within_engine_ranges),
         cmocka_unit_test(test_varied_fixed_and_given_parameters_are_kept),
+        cmocka_unit_test(test_a_long_command_keeps_all_options_or_is_refused),
         cmocka_unit_test(test_bad_axes_are_refused),
         cmocka_unit_test(test_engine_api_code_lists_changed_values_only),
         cmocka_unit_test(test_held_out_scenarios_are_not_tuned_on),

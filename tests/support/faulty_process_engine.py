@@ -4,6 +4,7 @@ import json, os, signal, subprocess, sys, time
 folder, fault = sys.argv[1:]
 engine = subprocess.Popen(["python3", folder + "/engine.py"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 previous = None
+held = []
 
 def say(text):
     sys.stdout.write(text)
@@ -22,7 +23,8 @@ for line in sys.stdin:
     engine.stdin.flush()
     answer = json.loads(engine.stdout.readline())
     kind = request["request"]
-    text = None
+    if "cpu" in answer:
+        answer["cpu"] = 0  # that of this process is counted, not the engine's
     if kind == "hello":
         if fault == "hang-in-hello":
             time.sleep(100)
@@ -30,12 +32,28 @@ for line in sys.stdin:
             answer["protocol"] = "plumb.engine/9"
         if fault == "option-range":
             answer["options"][0]["value"] = -5
+        if fault == "half-substep":
+            answer["substeps"] = 2.7
+        if fault == "busy-start":
+            burn(1)
         if fault == "unknown-capability":
             answer["capabilities"].append("joints")
     if kind == "create" and fault == "unsupported":
         answer = {"id": request["id"], "error": "no spheres on Tuesdays", "unsupported": True}
     if kind == "create" and fault == "error":
         answer = {"id": request["id"], "error": "the world is full"}
+    if kind == "create" and fault == "half-substep-read":
+        answer["settings"]["substeps"] = 2.7
+    if kind == "create" and fault == "error-object":
+        answer = {"id": request["id"], "error": {"message": "the world is full"}}
+    if kind == "create" and fault == "no-reason":
+        answer["unsupported"] = True
+    if kind == "create" and fault == "unsupported-text":
+        answer["unsupported"] = "yes"
+    if kind == "step" and fault == "step-leak" or kind == "create" and fault == "scene-leak":
+        held.append(b"x" * (1 << 16))
+    if kind == "step" and fault in ("too-much-time-each", "busy-start"):
+        answer["cpu"] = 0.005
     if kind == "step" and request["step"] == 3:
         if fault == "signal":
             os.kill(os.getpid(), signal.SIGSEGV)
@@ -74,6 +92,21 @@ for line in sys.stdin:
             answer["frame"][2] = "high"
         if fault == "beyond-the-file":
             answer["frame"] = {"offset": 1000000, "count": len(answer["frame"])}
+        if fault == "half-an-offset":
+            answer["frame"] = {"offset": 0.5, "count": len(answer["frame"])}
+        if fault == "half-a-count":
+            answer["frame"] = {"offset": 0, "count": len(answer["frame"]) + 0.5}
+        if fault == "numbers-memory":
+            for mib in range(300):
+                os.pwrite(3, bytes(1 << 20), mib << 20)
+        if fault == "long-answer":
+            say('{"note": "')
+            for mib in range(200):
+                say("x" * (1 << 20))
+            say('", ' + json.dumps(answer)[1:] + "\n")
+            continue
+        if fault == "stats-array":
+            answer["stats"] = [1, 2]
         if fault == "contact-of-nobody":
             answer["contacts"] = [0, 99, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0]
         if fault == "odd-contacts":
@@ -85,7 +118,7 @@ for line in sys.stdin:
         if fault == "no-time":
             del answer["cpu"]
         if fault == "memory":
-            held = [bytearray(1 << 20) for _ in range(1 << 14)]
+            held += [bytearray(1 << 20) for _ in range(1 << 14)]
         if fault == "grandchild":
             subprocess.Popen(["sleep", "321"])
             sys.exit(0)

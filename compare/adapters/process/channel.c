@@ -2,6 +2,7 @@
 
 #include "base/json_field.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -13,6 +14,8 @@
 #include <sys/mman.h>
 #include <sys/pidfd.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -36,13 +39,25 @@ static void close_end(int *descriptor)
     }
 }
 
+/* Whether the command begins with NAME=VALUE, which `exec` does not take. */
+static bool sets_variable(const char *command)
+{
+    size_t length = 0;
+    while (isalnum((unsigned char)command[length]) || command[length] == '_') {
+        ++length;
+    }
+    return length > 0 && !isdigit((unsigned char)command[0]) && command[length] == '=';
+}
+
 static _Noreturn void run_program(const char *command, pid_t parent, int input, int output,
                                   int numbers)
 {
     char *text = NULL;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     signal(SIGPIPE, SIG_DFL);
-    if (getppid() != parent || asprintf(&text, "exec %s", command) < 0 ||
+    command += strspn(command, " \t\n");
+    if (getppid() != parent ||
+        asprintf(&text, "exec %s%s", sets_variable(command) ? "env " : "", command) < 0 ||
         dup2(input, STDIN_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0 ||
         (numbers != NUMBERS ? dup2(numbers, NUMBERS) : fcntl(NUMBERS, F_SETFD, 0)) < 0) {
         _exit(EXIT_NOT_EXECUTABLE);
@@ -131,21 +146,22 @@ static pl_status describe_end(const pl_channel *channel, char *text, size_t size
 
 /* ---- Bytes ---- */
 
-/* Reads what is there. False: the program has closed its output, or memory is out. */
-static bool take_output(pl_channel *channel)
+/* Reads what is there. *is_over: the program has closed its output. PL_NO_MEMORY. */
+static pl_status take_output(pl_channel *channel, const char *what, bool *is_over, pl_error *error)
 {
     if (channel->length + CHUNK > channel->capacity) {
         const size_t capacity = 2 * (channel->length + CHUNK);
         char *grown = realloc(channel->text, capacity);
         if (grown == NULL) {
-            return false;
+            return pl_fail(error, PL_NO_MEMORY, "out of memory for the answer to %s", what);
         }
         channel->text = grown;
         channel->capacity = capacity;
     }
     const ssize_t length = read(channel->output, channel->text + channel->length, CHUNK);
     channel->length += length > 0 ? (size_t)length : 0;
-    return length > 0 || (length < 0 && (errno == EAGAIN || errno == EINTR));
+    *is_over = length == 0 || (length < 0 && errno != EAGAIN && errno != EINTR);
+    return PL_OK;
 }
 
 /* Writes the request while taking what the program writes, until a whole line is there. *size is
@@ -183,24 +199,48 @@ static pl_status exchange(pl_channel *channel, const char *what, size_t *size, p
             sent = done > 0 ? sent + (size_t)done : errno == EPIPE ? request->length : sent;
         }
         /* A process that it has started may keep its output open. */
-        const bool is_over = polls[2].revents != 0 && polls[0].revents == 0;
-        if (is_over || (polls[0].revents != 0 && !take_output(channel))) {
+        bool is_over = polls[2].revents != 0;
+        pl_status status =
+            polls[0].revents != 0 ? take_output(channel, what, &is_over, error) : PL_OK;
+        if (status != PL_OK) {
+            return status;
+        }
+        if (is_over) {
             char how[96];
-            const pl_status status = describe_end(channel, how, sizeof how);
+            status = describe_end(channel, how, sizeof how);
             return pl_fail(error, status, "%s instead of answering %s%s", how, what,
                            channel->length > 0 ? ", in the middle of a line" : "");
         }
     }
 }
 
-static double cpu_time_of(const pl_channel *channel)
+double pl_cpu_time_of(pid_t pid)
 {
     clockid_t clock;
     struct timespec used;
-    if (clock_getcpuclockid(channel->pid, &clock) != 0 || clock_gettime(clock, &used) != 0) {
-        return channel->cpu_time;
+    if (pid <= 0 || clock_getcpuclockid(pid, &clock) != 0 || clock_gettime(clock, &used) != 0) {
+        return 0;
     }
     return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
+}
+
+/* What the program keeps in the file of numbers is memory, which no limit of the system's counts as
+ * its own. */
+static pl_status check_memory(const pl_channel *channel, const char *what, pl_error *error)
+{
+    enum { BLOCK = 512, MIB = 1 << 20 };
+    struct rlimit limit;
+    struct stat file;
+    if (getrlimit(RLIMIT_DATA, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY ||
+        fstat(channel->numbers, &file) != 0) {
+        return PL_OK;
+    }
+    const double used = (double)BLOCK * (double)file.st_blocks, most = (double)limit.rlim_cur;
+    return used <= most ? PL_OK
+                        : pl_fail(error, PL_FAILED,
+                                  "answer to %s: descriptor 3 holds %.0f MiB, more than the "
+                                  "--memory of %.0f MiB",
+                                  what, used / MIB, most / MIB);
 }
 
 /* ---- Requests ---- */
@@ -218,17 +258,27 @@ static pl_status check_answer(const pl_channel *channel, const char *what, const
                               pl_error *error)
 {
     const json_t *id = json_object_get(answer, "id");
-    const char *reason = json_string_value(json_object_get(answer, "error"));
+    const json_t *reason = json_object_get(answer, "error");
+    const json_t *unsupported = json_object_get(answer, "unsupported");
     char found[PL_FOUND_SIZE];
     if (!json_is_number(id) || json_number_value(id) != (double)channel->id) {
         return pl_fail(error, PL_FAILED, "answer to %s: id: expected %ld, found %s", what,
                        channel->id, pl_json_found(id, found));
     }
-    if (reason == NULL) {
+    if (unsupported != NULL && !json_is_null(unsupported) && !json_is_boolean(unsupported)) {
+        return pl_fail(error, PL_FAILED,
+                       "answer to %s: unsupported: expected true or false, found %s", what,
+                       pl_json_found(unsupported, found));
+    }
+    const bool refused = json_is_true(unsupported);
+    if ((reason == NULL || json_is_null(reason)) && !refused) {
         return PL_OK;
     }
-    json_t *plain = pl_json_text(reason, strlen(reason));
-    const bool refused = json_is_true(json_object_get(answer, "unsupported"));
+    if (!json_is_string(reason)) {
+        return pl_fail(error, PL_FAILED, "answer to %s: error: expected a text, found %s", what,
+                       pl_json_found(reason, found));
+    }
+    json_t *plain = pl_json_text(json_string_value(reason), json_string_length(reason));
     const pl_status status = pl_fail(error, refused ? PL_UNSUPPORTED : PL_FAILED, "%s",
                                      plain == NULL ? "" : json_string_value(plain));
     json_decref(plain);
@@ -241,6 +291,9 @@ static pl_status read_answer(const pl_channel *channel, const char *what, size_t
     json_error_t syntax;
     json_t *answer =
         json_loadb(channel->text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &syntax);
+    if (answer == NULL && json_error_code(&syntax) == json_error_out_of_memory) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for the answer to %s", what);
+    }
     if (!json_is_object(answer)) {
         char begin[PL_QUOTED_SIZE - 20], quoted[PL_QUOTED_SIZE];
         snprintf(begin, sizeof begin, "%.*s", (int)(size < sizeof begin ? size : sizeof begin - 1),
@@ -276,8 +329,10 @@ pl_status pl_channel_ask(pl_channel *channel, const char *what, pl_answer_reader
             pl_fail(&fault, PL_FAILED,
                     "before %s: it wrote more than one line as the answer to a request", what);
         } else if (exchange(channel, what, &size, &fault) == PL_OK) {
-            channel->cpu_time = cpu_time_of(channel);
-            read_answer(channel, what, size, read, user, &fault);
+            channel->cpu_time = fmax(channel->cpu_time, pl_cpu_time_of(channel->pid));
+            if (check_memory(channel, what, &fault) == PL_OK) {
+                read_answer(channel, what, size, read, user, &fault);
+            }
             channel->length -= size + 1;
         }
     }
@@ -290,21 +345,36 @@ pl_status pl_channel_ask(pl_channel *channel, const char *what, pl_answer_reader
 
 static bool wrong_numbers(const json_t *found, const char *key, pl_diagnostic *diagnostic)
 {
-    char text[PL_FOUND_SIZE];
+    const json_t *count = json_object_get(found, "count"),
+                 *offset = json_object_get(found, "offset");
+    char text[PL_FOUND_SIZE], more[PL_FOUND_SIZE];
+    if (count != NULL && offset != NULL) {
+        return pl_diagnose_field(diagnostic, key,
+                                 "expected whole numbers as offset and count, found %s and %s",
+                                 pl_json_found(offset, text), pl_json_found(count, more));
+    }
     return pl_diagnose_field(diagnostic, key,
                              "expected an array of numbers, or {\"offset\", \"count\"} of the file "
                              "that is descriptor 3, found %s",
                              pl_json_found(found, text));
 }
 
+/* Whether it is a whole number of 0 to `most`. */
+static bool is_whole(const json_t *number, double most)
+{
+    const double value = json_number_value(number);
+    return json_is_number(number) && value >= 0 && value <= most && value == floor(value);
+}
+
 bool pl_channel_count(const json_t *answer, const char *key, long *count, pl_diagnostic *diagnostic)
 {
     const json_t *numbers = json_object_get(answer, key);
-    const double given = json_number_value(json_object_get(numbers, "count"));
-    const bool in_file = json_is_object(numbers) && given >= 0 && given < MOST_ANSWER;
+    const json_t *given = json_object_get(numbers, "count");
+    const bool in_file = json_is_object(numbers) && is_whole(given, MOST_ANSWER) &&
+                         is_whole(json_object_get(numbers, "offset"), 1e15);
     *count = numbers == NULL          ? -1
              : json_is_array(numbers) ? (long)json_array_size(numbers)
-             : in_file                ? (long)given
+             : in_file                ? (long)json_number_value(given)
                                       : 0;
     return numbers == NULL || json_is_array(numbers) || in_file ||
            wrong_numbers(numbers, key, diagnostic);
@@ -313,13 +383,9 @@ bool pl_channel_count(const json_t *answer, const char *key, long *count, pl_dia
 static bool read_file(const pl_channel *channel, const json_t *part, const char *key,
                       double *values, long count, pl_diagnostic *diagnostic)
 {
-    const json_t *offset = json_object_get(part, "offset");
-    const double begin = json_number_value(offset);
+    const double begin = json_number_value(json_object_get(part, "offset"));
     const size_t size = (size_t)count * sizeof *values;
     size_t done = 0;
-    if (!json_is_number(offset) || !(begin >= 0 && begin < 1e15)) {
-        return wrong_numbers(part, key, diagnostic);
-    }
     while (done < size) {
         const ssize_t length =
             pread(channel->numbers, (char *)values + done, size - done, (off_t)begin + (off_t)done);

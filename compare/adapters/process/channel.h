@@ -28,20 +28,25 @@ typedef struct pl_channel {
 /* Reads an answer. False with a diagnostic when it is not right. */
 typedef bool (*pl_answer_reader)(const json_t *answer, void *user, pl_diagnostic *diagnostic);
 
-/* Runs `/bin/sh -c "exec COMMAND"`. PL_IO: no process or pipe can be made. */
+/* Runs `/bin/sh -c "exec COMMAND"`, with `exec env` where the command begins with a variable. PL_IO:
+ * no process or pipe can be made. */
 pl_status pl_channel_open(pl_channel *channel, const char *command, pl_error *error);
 
 /* Ends the program's standard input, waits up to a second for its end, and then kills it. Frees what
  * the channel holds. */
 void pl_channel_close(pl_channel *channel);
 
+/* The CPU time that a process has used so far, in all threads, s; 0: there is none. */
+double pl_cpu_time_of(pid_t pid);
+
 /* Begins the request of that name. Members are added to the result, each with a comma before it. */
 pl_text_buffer *pl_channel_begin(pl_channel *channel, const char *name);
 
 /* Sends the request and waits for the answer, which `read` gets. `what` is what messages call the
  * request. PL_UNSUPPORTED: the program refuses, with its own reason. PL_BAD_INPUT: a member of the
- * answer is not right. PL_FAILED: the program reports an error, has ended, or answers what is no
- * answer to this request. PL_NO_MEMORY. */
+ * answer is not right. PL_FAILED: the program reports an error, has ended, answers what is no
+ * answer to this request, or holds more in the file of numbers than this process may have as memory.
+ * PL_NO_MEMORY: this process has none. */
 pl_status pl_channel_ask(pl_channel *channel, const char *what, pl_answer_reader read, void *user,
                          pl_error *error);
 

@@ -3,6 +3,7 @@
 #include "base/json_field.h"
 #include "plumb/scenario.h"
 
+#include <math.h>
 #include <string.h>
 
 static const char PROTOCOL[] = "plumb.engine/1";
@@ -308,11 +309,21 @@ static bool read_protocol(const json_t *answer, pl_diagnostic *diagnostic)
                              pl_json_found(protocol, found));
 }
 
+static bool read_substeps(const json_t *answer, int *substeps, pl_diagnostic *diagnostic)
+{
+    double number = 1;
+    if (!pl_json_number(answer, "substeps", PL_OPTIONAL, &number, diagnostic)) {
+        return false;
+    }
+    const bool is_right = number >= 1 && number <= 1e6 && number == floor(number);
+    *substeps = is_right ? (int)number : 0;
+    return pl_check_number(diagnostic, "substeps", number, is_right, "an integer of 1 to 1000000");
+}
+
 bool pl_hello_read(const json_t *answer, pl_hello *hello, pl_diagnostic *diagnostic)
 {
     int precision = PL_PRECISION_DOUBLE, integrator = PL_INTEGRATOR_UNKNOWN;
     int gyroscopic = PL_GYROSCOPIC_UNKNOWN;
-    double substeps = 1;
     uint32_t reads = 0;
     pl_engine *table = &hello->table;
     hello->answer = json_incref((json_t *)answer);
@@ -335,14 +346,13 @@ bool pl_hello_read(const json_t *answer, pl_hello *hello, pl_diagnostic *diagnos
         !read_word(answer, "precision", precisions, &precision, diagnostic) ||
         !read_word(answer, "integrator", integrators, &integrator, diagnostic) ||
         !read_word(answer, "gyroscopic", gyroscopics, &gyroscopic, diagnostic) ||
-        !pl_json_number(answer, "substeps", PL_OPTIONAL, &substeps, diagnostic) ||
+        !read_substeps(answer, &table->substeps, diagnostic) ||
         !read_lists(answer, hello, diagnostic)) {
         return false;
     }
     table->precision = (pl_precision)precision;
     table->integrator = (pl_integrator)integrator;
     table->gyroscopic = (pl_gyroscopic)gyroscopic;
-    table->substeps = substeps >= 1 && substeps <= 1e6 ? (int)substeps : 0;
     hello->reads_settings = (reads & 1u) != 0;
     hello->reads_pairs = (reads & 2u) != 0;
     return true;

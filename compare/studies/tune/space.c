@@ -208,6 +208,24 @@ static void add_table(pl_tune_space *space)
     }
 }
 
+/* The settings that a search finds are given as a SPEC. */
+static pl_status check_spec(const pl_tune_space *space, pl_error *error)
+{
+    bool varied[PL_ENGINE_MAX_OPTIONS] = {false};
+    for (int i = 0; i < space->parameter_count; ++i) {
+        if (space->parameters[i].option != PL_TUNE_RATE) {
+            varied[space->parameters[i].option] = true;
+        }
+    }
+    return pl_tune_spec_fits(&space->base, varied)
+               ? PL_OK
+               : pl_fail(
+                     error, PL_BAD_INPUT,
+                     "engine \"%.40s...\": with the options that are tuned it is longer than %d "
+                     "characters; run it by a shorter path",
+                     space->base.engine->spec, PL_SPEC_SIZE - 1);
+}
+
 pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *space, pl_error *error)
 {
     bool given[PL_TUNE_MAX_PARAMETERS] = {false};
@@ -229,7 +247,7 @@ pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *spac
     if (find_parameter(space, "dt") >= 0) {
         space->dt = (double)NAN;
     }
-    return status;
+    return status == PL_OK ? check_spec(space, error) : status;
 }
 
 pl_engine_choice pl_tune_choice(const pl_tune_space *space, const double *values, double *dt)

@@ -27,7 +27,8 @@ typedef struct pl_tune_request {
 } pl_tune_request;
 
 /* Makes the space. Numbers may be fractions. PL_BAD_INPUT: an unknown key (the message suggests the
- * nearest), a value out of the option's range, an empty range, a key given twice. */
+ * nearest), a value out of the option's range, an empty range, a key given twice, a command
+ * that is too long for a SPEC with all options. */
 pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *space, pl_error *error);
 
 /* The engine with a point's values, and its time step *dt, s; NAN: each scenario's own. */

@@ -40,12 +40,26 @@ void pl_tune_spec(const pl_engine_choice *choice, char spec[PL_SPEC_SIZE])
     const pl_engine_choice defaults = pl_tune_defaults(choice);
     const pl_engine_info *engine = choice->engine;
     int used = snprintf(spec, PL_SPEC_SIZE, "%s", defaults.spec);
-    for (int i = 0; i < engine->option_count && used < 256; ++i) {
+    for (int i = 0; i < engine->option_count && used < PL_SPEC_SIZE; ++i) {
         if (choice->values[i] != defaults.values[i]) {
             used += snprintf(spec + used, PL_SPEC_SIZE - (size_t)used, ",%s=%.15g",
                              engine->options[i].name, choice->values[i]);
         }
     }
+}
+
+bool pl_tune_spec_fits(const pl_engine_choice *choice, const bool *varied)
+{
+    static const char longest[] = ",=-1.23456789012345e-308";
+    const pl_engine_info *engine = choice->engine;
+    const double *defaults = pl_engine_profile_values(engine, choice->profile);
+    size_t size = strlen(engine->spec) + 1 + strlen(engine->profiles[choice->profile].name) + 1;
+    for (int i = 0; i < engine->option_count; ++i) {
+        if (varied[i] || choice->values[i] != defaults[i]) {
+            size += strlen(engine->options[i].name) + strlen(longest);
+        }
+    }
+    return size <= PL_SPEC_SIZE;
 }
 
 /* Prints `code` with `value` in place of {}. */

@@ -21,8 +21,12 @@ bool pl_tunable_find(const pl_engine_info *engine, int profile, int option, pl_t
 pl_engine_choice pl_tune_defaults(const pl_engine_choice *choice);
 
 /* "name:profile,option=value...", with each option that differs from the profile's default; the
- * name is the path of a loaded engine. */
+ * name is the path of a loaded engine. Cut to the size: pl_tune_spec_fits. */
 void pl_tune_spec(const pl_engine_choice *choice, char spec[PL_SPEC_SIZE]);
+
+/* Whether pl_tune_spec has room for any values of these options (engine->option_count) besides those in
+ * which the choice differs from its defaults. */
+bool pl_tune_spec_fits(const pl_engine_choice *choice, const bool *varied);
 
 /* Whether pl_tune_print_api prints anything. */
 bool pl_tune_has_api(const pl_engine_choice *choice, double dt);
