@@ -255,9 +255,9 @@ static bool read_step(const json_t *answer, void *user, pl_diagnostic *diagnosti
            read_state(answer, step->instance, diagnostic);
 }
 
-/* Compares what the program reports for a step with what was counted from its answer before to that to
- * the step. A clock's rounding evens out over steps, whose excess is therefore summed up. The sum begins
- * anew where there is none, so that no step makes up for later ones. */
+/* Compares what the program reports for a step with what was counted from its previous answer to this
+ * one. A clock's rounding evens out over steps, so the excess is summed over successive steps. The sum
+ * starts at 0 again when there is no excess: an honest step makes up for no later one. */
 static pl_status check_step_time(double reported, double counted, pl_error *error)
 {
     step_times *sum = &program.doubtful;
