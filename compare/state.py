@@ -19,7 +19,11 @@ ENGINES = {
     "dart": ("DART", "adapters/dart", "https://github.com/dartsim/dart"),
     "mujoco3": ("MuJoCo 3", "adapters/web/mujoco3.mjs", "https://github.com/google-deepmind/mujoco"),
     "rapier": ("Rapier", "adapters/web/rapier.mjs", "https://github.com/dimforge/rapier"),
-    "rapier-deterministic": ("Rapier, deterministic build", "adapters/web/rapier.mjs", "https://github.com/dimforge/rapier"),
+    "rapier-deterministic": (
+        "Rapier, deterministic build",
+        "adapters/web/rapier.mjs",
+        "https://github.com/dimforge/rapier",
+    ),
     "jolt": ("Jolt", "adapters/web/jolt.mjs", "https://github.com/jrouwe/JoltPhysics"),
     "physx": ("PhysX", "adapters/web/physx.mjs", "https://github.com/NVIDIA-Omniverse/PhysX"),
     "havok": ("Havok", "adapters/web/havok.mjs", "https://github.com/BabylonJS/havok"),
@@ -40,6 +44,11 @@ def write(*lines):
     print("\n".join(lines))
 
 
+def paragraph(text):
+    """Prints a text on one line, however it is folded here, and an empty line."""
+    write(" ".join(text.split()), "")
+
+
 def table(heads, rows):
     write("| " + " | ".join(heads) + " |", "|" + "---|" * len(heads))
     for row in rows:
@@ -57,8 +66,7 @@ class State:
     def __init__(self):
         self.runs = lines_of("runs/results.jsonl")
         self.engines = {engine["name"]: engine for engine in json.loads(text_of("engines.json"))}
-        order = list(ENGINES)
-        self.labels = sorted({run["label"] for run in self.runs}, key=lambda label: (order.index(engine_of(label)), label.endswith(":recommended"), label))
+        self.labels = sorted({run["label"] for run in self.runs}, key=place_of)
         self.suites_of = defaultdict(set)  # of a case of a suite, such as "tower n=100"
         for suite in json.loads(text_of("suites.json")):
             for case in suite["scenarios"]:
@@ -67,120 +75,181 @@ class State:
         for path in glob.glob(os.path.join(FOLDER, "conformance-*.json")):
             with open(path, encoding="utf-8") as file:
                 self.conformance.update({entry["label"]: entry for entry in json.load(file)["engines"]})
-        self.findings = self.read_findings()
+        self.findings = read_findings()
 
     def case_of(self, run):
         """The case of a suite that has the most of the run's parameters."""
-        def values(case):
-            return [assignment.split("=") for assignment in case.partition(" ")[2].split(",") if assignment]
-        fitting = [case for case in self.suites_of if case.split()[0] == run["scenario"] and
-                   all(float(run["params"].get(key, "nan")) == float(value) for key, value in values(case))]
-        return max(fitting, key=lambda case: len(values(case)))
 
-    def read_findings(self):
-        """Case, label, error, cause and evidence of each run that is not accurate, as the report has them."""
-        text = text_of("runs/summary.md")
-        part = text[text.index("\n## Findings"):]
-        part = part[:part.index("\n## ", 5)]
-        rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in part.splitlines() if line.startswith("| ")]
-        return [row for row in rows[1:] if engine_of(row[1]) != "plumb"]
+        def values(case):
+            return [setting.split("=") for setting in case.partition(" ")[2].split(",") if setting]
+
+        def fits(case):
+            params = run["params"]
+            return case.split()[0] == run["scenario"] and all(
+                float(params.get(key, "nan")) == float(value) for key, value in values(case)
+            )
+
+        return max(filter(fits, self.suites_of), key=lambda case: len(values(case)))
 
     def counts(self, label, suite=None):
-        return Counter(run["verdict"] or run["outcome"] for run in self.runs
-                       if run["label"] == label and (suite is None or suite in self.suites_of[self.case_of(run)]))
+        """How many runs have each verdict, or each outcome where there is no verdict."""
+        return Counter(
+            run["verdict"] or run["outcome"]
+            for run in self.runs
+            if run["label"] == label and (suite is None or suite in self.suites_of[self.case_of(run)])
+        )
 
-    def failed_checks(self, label):
-        """How many checks were made, and the names of those that failed; None: it was not checked."""
-        entry = self.conformance.get(label)
-        return entry and (sum(check["outcome"] != "skipped" for check in entry["checks"]),
-                          [check["check"] for check in entry["checks"] if check["outcome"] == "failed"])
+    def checks(self, label):
+        """What plumb check-engine found, in words; None: it was not asked."""
+        profile = label.split(":")[1]
+        if label not in self.conformance:
+            return None
+        checks = [check for check in self.conformance[label]["checks"] if check["outcome"] != "skipped"]
+        failed = [check["check"] for check in checks if check["outcome"] == "failed"]
+        if not failed:
+            return f"`{profile}` passed {len(checks)}"
+        return f"`{profile}` failed {len(failed)} of {len(checks)}: {', '.join(failed)}"
+
+
+def place_of(label):
+    """Sorts labels: engines in their order, what is recommended last."""
+    return list(ENGINES).index(engine_of(label)), label.endswith(":recommended"), label
+
+
+def read_findings():
+    """Case, label, error, cause and evidence of each run that is not accurate, as the report has them."""
+    text = text_of("runs/summary.md")
+    part = text[text.index("\n## Findings"):]
+    part = part[: part.index("\n## ", 5)]
+    lines = [line for line in part.splitlines() if line.startswith("| ")]
+    rows = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines]
+    return [row for row in rows[1:] if engine_of(row[1]) != "plumb"]
 
 
 def write_introduction(state):
-    others = [label for label in state.labels if engine_of(label) != "plumb"]
     accurate = {label: state.counts(label)["accurate"] for label in state.labels}
+    others = [label for label in state.labels if engine_of(label) != "plumb"]
     best, worst = (choose(others, key=accurate.get) for choose in (max, min))
     known = sum(row[3] != UNKNOWN for row in state.findings)
     cpus = sorted({run["host"]["cpu"] for run in state.runs})
     present = sum(engine["present"] for engine in state.engines.values())
-    write("# The state of the engines", "",
-          f"{present} engines in {len(state.labels)} configurations ran {len({state.case_of(run) for run in state.runs})} scenes that have a right answer: a closed form, a conservation law, a known resting place or "
-          f"converged statistics. Plumb's own engine is accurate on {accurate['plumb:default']} of them. Of the others `{best}` is accurate on the most, {accurate[best]}, and `{worst}` on the fewest, {accurate[worst]}.", "",
-          "![The verdicts on all scenes, and how the engines end a collapsing wall](report/state.png)", "",
-          "`./compare/state` makes this page and all of its numbers, in half an hour on two cores. It goes on where it was stopped. `plumb view state/runs` opens the whole report: a replay of every run, "
-          "curves and tables.", "",
-          f"Measured with plumb {state.runs[0]['plumb']['version']} on {', '.join(cpus)}. A run ends after 20 s of the engine's CPU time. Of {len(state.findings)} findings {known} have a cause that an experiment shows.", "")
+    scenes = len({state.case_of(run) for run in state.runs})
+    write("# The state of the engines", "")
+    paragraph(f"""{present} engines in {len(state.labels)} configurations ran {scenes} scenes that have a right answer:
+        a closed form, a conservation law, a known resting place or converged statistics. Plumb's own engine is accurate
+        on {accurate['plumb:default']} of them. Of the others `{best}` is accurate on the most, {accurate[best]}, and
+        `{worst}` on the fewest, {accurate[worst]}.""")
+    write("![The verdicts on all scenes, and how the engines end a collapsing wall](report/state.png)", "")
+    paragraph("""`./compare/state` makes this page and all of its numbers, in less than an hour on two cores. It goes on
+        where it was stopped. `plumb view state/runs` opens the whole report: a replay of every run, curves and
+        tables.""")
+    paragraph(f"""Measured with plumb {state.runs[0]['plumb']['version']} on {', '.join(cpus)}. A run ends after 20 s of
+        the engine's CPU time. Of {len(state.findings)} findings {known} have a cause that an experiment shows.""")
 
 
 def write_engines(state):
-    write("## Engines", "", "`shipped` has the makers' own defaults, `recommended` what they advise for stacking and accuracy. `plumb list engines NAME` prints every setting with its source.", "")
+    write("## Engines", "")
+    paragraph("""The first profile of an engine has its makers' own defaults, `recommended` what they advise for stacking
+        and accuracy. `plumb list engines NAME` prints every setting with its source.""")
     rows = []
     for name, engine in state.engines.items():
         title, adapter, _ = ENGINES[name]
-        checks = []
-        for profile in (profile["name"] for profile in engine.get("profiles", ())):
-            found = state.failed_checks(f"{name}:{profile}")
-            if found:
-                checks.append(f"`{profile}` passed {found[0]}" if not found[1] else f"`{profile}` failed {len(found[1])} of {found[0]}: {', '.join(found[1])}")
-        rows.append([f"[{title}]({adapter})", engine.get("version", "absent") if engine["present"] else "absent", engine.get("runtime", ""), engine.get("precision", ""), "; ".join(checks) or "not checked"])
+        checks = [state.checks(f"{name}:{profile['name']}") for profile in engine.get("profiles", ())]
+        rows.append(
+            [
+                f"[{title}]({adapter})",
+                engine["version"] if engine["present"] else "absent",
+                engine.get("runtime", ""),
+                engine.get("precision", ""),
+                "; ".join(filter(None, checks)) or "not checked",
+            ]
+        )
     table(["engine and its adapter", "version", "runs in", "precision", "checks of `plumb check-engine`"], rows)
-    write("Each failed check is the engine's own behaviour. Programs of at most 30 lines, which need the engine alone, show it: [adapters/web](adapters/web/README.md#what-fails-conformance-and-why), "
-          "[adapters/dart](adapters/dart/README.md).", "")
+    paragraph("""Each failed check is the engine's own behaviour. Programs of at most 30 lines, which need the engine
+        alone, show it: [adapters/web](adapters/web/README.md#what-fails-conformance-and-why),
+        [adapters/dart](adapters/dart/README.md#what-dart-does).""")
 
 
 def write_verdicts(state):
-    write("## Verdicts", "", "Accurate / inaccurate / failed, of the scenes of each suite. An unsupported scene is not counted.", "")
+    write("## Verdicts", "")
+    paragraph("Accurate / inaccurate / failed, of the scenes of each suite. An unsupported scene is not counted.")
     rows = []
     for label in state.labels:
-        cells = [state.counts(label, suite) for suite in SUITES] + [state.counts(label)]
-        rows.append([f"`{label}`", *(f"{cell['accurate']} / {cell['inaccurate']} / {cell['failed']}" for cell in cells), cells[-1]["unsupported"] or ""])
+        cells = [state.counts(label, suite) for suite in (*SUITES, None)]
+        texts = [f"{cell['accurate']} / {cell['inaccurate']} / {cell['failed']}" for cell in cells]
+        rows.append([f"`{label}`", *texts, cells[-1]["unsupported"] or ""])
     table(["configuration", *SUITES, "all", "unsupported"], rows)
 
 
 def write_thresholds(state):
-    write("## Thresholds", "", "At which angle a block slides or tips, how far blocks hang over, with which friction spheres stack: the critical value that the engine has, over that of statics. 1 is right; a word says "
-          "that the scene holds always or never, or that the engine fails.", "")
+    write("## Thresholds", "")
+    paragraph("""At which angle a block slides or tips, how far blocks hang over, with which friction spheres stack: the
+        critical value that the engine has, over that of statics. 1 is right; a word says that the scene holds always or
+        never, or that the engine fails.""")
     values = defaultdict(dict)
     for row in lines_of("thresholds.json"):
-        right = row["closed_form"]
-        values[row["label"]][row["scenario"]] = f"{row['value'] / right:.4g}" if row["value"] is not None and right else row["finding"]
+        is_found = row["value"] is not None and row["closed_form"]
+        text = f"{row['value'] / row['closed_form']:.4g}" if is_found else row["finding"]
+        values[row["label"]][row["scenario"]] = text
     scenarios = list(dict.fromkeys(scenario for row in values.values() for scenario in row))
-    table(["configuration", *scenarios], [[f"`{label}`", *(values[label].get(scenario, "–") for scenario in scenarios)] for label in state.labels if label in values])
+    labels = [label for label in state.labels if label in values]
+    table(
+        ["configuration", *scenarios],
+        [[f"`{label}`", *(values[label].get(scenario, "–") for scenario in scenarios)] for label in labels],
+    )
     write("`plumb threshold slope-threshold slope-tip overhang sphere-pyramid --with all --cpu-limit 20 --timeout 90`", "")
 
 
 def write_speed():
     sweep = json.loads(text_of("speed/sweep.json"))
     names = [engine["name"] for engine in sweep["engines"]]
-    write("## Speed at equal error, of native engines", "", "How many times the CPU time of plumb another engine needs for the same error on `tower`, `slope-slide`, `slope-tip` and `rocket`, each at the best of its settings: the "
-          "geometric mean over the scenes on which both reach that error, whose number is in brackets. Times in WebAssembly are left out.", "")
+    write("## Speed at equal error, of native engines", "")
+    paragraph("""How many times the CPU time of plumb another engine needs for the same error on `tower`, `slope-slide`,
+        `slope-tip` and `rocket`, each at the best of its settings: the geometric mean over the scenes on which both
+        reach that error, whose number is in brackets. Times in WebAssembly are left out.""")
     rows = []
     for pair in sweep["pairs"]:
-        if ":" not in names[pair["other"]] and ":" not in names[pair["ours"]]:
-            means = [(level["mean_speed"] or {}).get("value") for level in pair["levels"]]
-            rows.append([names[pair["other"]], *("–" if mean is None else f"{mean:.3g} ({level['both']})" for mean, level in zip(means, pair["levels"]))])
+        if ":" in names[pair["other"]] or ":" in names[pair["ours"]]:
+            continue
+        means = [(level["mean_speed"] or {}).get("value") for level in pair["levels"]]
+        texts = [
+            "–" if mean is None else f"{mean:.3g} ({level['both']})" for mean, level in zip(means, pair["levels"])
+        ]
+        rows.append([names[pair["other"]], *texts])
     table(["engine", *(f"error {level['level']:.0e}" for level in sweep["pairs"][0]["levels"])], rows)
-    write("`plumb sweep tower slope-slide slope-tip rocket --engine plumb --engine ode --engine bullet --engine mujoco --engine dart:recommended --cpu-limit 20 --timeout 90 --jobs 2 --out speed`", "")
+    paragraph("""`plumb sweep tower slope-slide slope-tip rocket --engine plumb --engine ode --engine bullet
+        --engine mujoco --engine dart:recommended --cpu-limit 20 --timeout 90 --jobs 2 --out speed`""")
+
+
+def write_findings_of(name, state):
+    title, _, tracker = ENGINES[name]
+    mine = [row for row in state.findings if engine_of(row[1]) == name]
+    labels = [label for label in state.labels if engine_of(label) == name]
+    causes = list(dict.fromkeys((cause, evidence) for _, _, _, cause, evidence in mine if cause != UNKNOWN))
+    cells = defaultdict(dict)
+    for case, label, error, cause, evidence in mine:
+        mark = "?" if cause == UNKNOWN else causes.index((cause, evidence)) + 1
+        cells[case][label] = f"{error.split(' (')[0]} [{mark}]"
+    if not mine:
+        return
+    write(f"### {title}", "")
+    table(
+        ["case", *(f"`{label}`" for label in labels)],
+        [[case, *(row.get(label, "") for label in labels)] for case, row in cells.items()],
+    )
+    for i, texts in enumerate(causes):
+        write(f"- [{i + 1}] " + " ".join(f"{text[0].upper()}{text[1:]}." for text in texts if text != "–"))
+    write("", f"The tracker of its makers: {tracker}", "")
 
 
 def write_findings(state):
-    write("## Findings", "", "Every run that is not accurate. `plumb compare CASE --engine CONFIGURATION --cpu-limit 20` repeats a number, with `--set` before each parameter of the case; errors repeat to the last bit. "
-          "A number in brackets names the cause below the table, which an experiment has shown; [?] is: cause not known. An empty cell is an accurate run or an unsupported scene.", "")
-    for name, (title, _, tracker) in ENGINES.items():
-        mine = [row for row in state.findings if engine_of(row[1]) == name]
-        if not mine:
-            continue
-        labels = [label for label in state.labels if engine_of(label) == name]
-        causes = list(dict.fromkeys((row[3], row[4]) for row in mine if row[3] != UNKNOWN))
-        cells = defaultdict(dict)
-        for case, label, error, cause, evidence in mine:
-            mark = "[?]" if cause == UNKNOWN else f"[{causes.index((cause, evidence)) + 1}]"
-            cells[case][label] = f"{error.split(' (')[0]} {mark}"
-        write(f"### {title}", "")
-        table(["case", *(f"`{label}`" for label in labels)], [[case, *(row.get(label, "") for label in labels)] for case, row in cells.items()])
-        for i, (cause, evidence) in enumerate(causes):
-            write(f"- [{i + 1}] {cause[0].upper()}{cause[1:]}." + ("" if evidence in ("–", "") else f" {evidence[0].upper()}{evidence[1:]}."))
-        write("", f"The tracker of its makers: {tracker}", "")
+    write("## Findings", "")
+    paragraph("""Every run that is not accurate. `plumb compare CASE --engine CONFIGURATION --cpu-limit 20` repeats a
+        number, with `--set` before each parameter of the case; errors repeat to the last bit. A number in brackets names
+        the cause below the table, which an experiment has shown; [?] is: cause not known. An empty cell is an accurate
+        run or an unsupported scene.""")
+    for name in ENGINES:
+        write_findings_of(name, state)
 
 
 def main():
