@@ -338,10 +338,10 @@ pl_status pl_needs_check(const pl_scene *scene, const pl_engine_info *engine, pl
 }
 
 /* How far the bounds of a scene go beyond where its bodies begin. A box that stands for a plane is as
- * large as the bounds: engines in single precision lose accuracy on one of many kilometres, and the
- * motion must not depend on how long it is watched. */
-static const double ROOM = 1000;    /* m */
-static const double ROOM_TIME = 60; /* s, at the largest initial speed, where that is more */
+ * large as the bounds: engines in single precision go wrong on one of a kilometre, and the motion must
+ * not depend on how long it is watched. */
+static const double ROOM = 100;     /* m */
+static const double ROOM_TIME = 10; /* s, at the largest initial speed, where that is more */
 
 void pl_scene_bounds(const pl_scene *scene, double lower[3], double upper[3])
 {

@@ -108,8 +108,8 @@ void pl_session_end(pl_session *session);
 /* Whether the engine has what the scene needs. PL_UNSUPPORTED says what it lacks. */
 pl_status pl_needs_check(const pl_scene *scene, const pl_engine_info *engine, pl_error *error);
 
-/* A box that holds all bodies but planes at the start, grown on all sides by 1000 m, or by the distance
- * that the fastest of them goes in 60 s; m. It does not depend on the scene's duration. */
+/* A box that holds all bodies but planes at the start, grown on all sides by 100 m, or by the distance
+ * that the fastest of them goes in 10 s; m. It does not depend on the scene's duration. */
 void pl_scene_bounds(const pl_scene *scene, double lower[3], double upper[3]);
 
 #endif

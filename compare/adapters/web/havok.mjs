@@ -8,7 +8,7 @@
 // of several shapes (materials.mjs). Collision events have one point a pair, so that contacts are not reported, and the
 // interface has no settings of the solver.
 import {packageOf, serve} from './protocol.mjs';
-import {applyForces, planeReach, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
+import {applyForces, halfDiagonal, middleOfPlane, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
 import {colliderPlan, rules} from './materials.mjs';
 import {readFileSync} from 'node:fs';
 import initHavok from '@babylonjs/havok';
@@ -50,7 +50,7 @@ function shapeOf(setup, body) {
   const {shape} = body;
   switch (shape.type) {
     case 'plane':
-      return done(Havok.HP_Shape_CreateBox([0, 0, -planeReach(setup)], IDENTITY, Array(3).fill(2 * planeReach(setup))));
+      return done(Havok.HP_Shape_CreateBox([0, 0, -halfDiagonal(setup)], IDENTITY, Array(3).fill(2 * halfDiagonal(setup))));
     case 'sphere':
       return done(Havok.HP_Shape_CreateSphere([0, 0, 0], shape.radius));
     case 'box':
@@ -84,7 +84,7 @@ function collidersOf(setup, body, plan) {
 
 function addBody(world, setup, body, plan) {
   const {position, orientation} = body.shape.type === 'plane'
-    ? {position: body.shape.normal.map((n) => n * body.shape.offset), orientation: rotationFromZ(body.shape.normal)} : principalPose(setup, body);
+    ? {position: middleOfPlane(setup, body.shape), orientation: rotationFromZ(body.shape.normal)} : principalPose(setup, body);
   const {colliders, whole} = collidersOf(setup, body, plan);
   const id = done(Havok.HP_Body_Create());
   done(Havok.HP_Body_SetShape(id, whole));

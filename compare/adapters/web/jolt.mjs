@@ -8,7 +8,7 @@
 // later ones are not of the poses before the step. Recording is not counted as the step's time. Jolt's interface has contact
 // points, but not the impulses that the solver found.
 import {apart, packageOf, serve} from './protocol.mjs';
-import {applyForces, planeReach, principalPose, principalVertices, solidOf, writeState} from './mechanics.mjs';
+import {applyForces, halfDiagonal, middleOfPlane, principalPose, principalVertices, solidOf, writeState} from './mechanics.mjs';
 import initJolt from 'jolt-physics/wasm-compat';
 
 const Jolt = await initJolt();
@@ -59,7 +59,7 @@ function shapeOf(setup, body) {
   const radius = setup.options.convex_radius;
   switch (shape.type) {
     case 'plane':
-      return using([vec3(shape.normal)], (n) => using([new Jolt.Plane(n, -shape.offset)], (plane) => new Jolt.PlaneShape(plane, null, planeReach(setup))));
+      return using([vec3(shape.normal)], (n) => using([new Jolt.Plane(n, -shape.offset)], (plane) => new Jolt.PlaneShape(plane, null, Math.hypot(...middleOfPlane(setup, shape)) + halfDiagonal(setup))));
     case 'sphere':
       return new Jolt.SphereShape(shape.radius);
     case 'box':

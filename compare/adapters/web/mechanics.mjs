@@ -146,5 +146,12 @@ export function applyForces(setup, number, orientationOf, apply) {
   });
 }
 
-/** The distance, m, from the origin within which a plane's stand-in has to be: that of the farthest corner of the bounds. */
-export const planeReach = ({lower, upper}) => Math.hypot(...lower.map((x, k) => Math.max(Math.abs(x), Math.abs(upper[k]))));
+/** Half the length of the diagonal of the scene's bounds, m. */
+export const halfDiagonal = ({lower, upper}) => Math.hypot(...upper.map((x, k) => x - lower[k])) / 2;
+
+/** The point of a plane that is nearest to the middle of the scene's bounds, m. */
+export function middleOfPlane({lower, upper}, {normal, offset}) {
+  const middle = upper.map((x, k) => (x + lower[k]) / 2);
+  const height = normal.reduce((sum, n, k) => sum + n * middle[k], -offset);
+  return middle.map((x, k) => x - height * normal[k]);
+}

@@ -146,8 +146,8 @@ typedef struct pl_engine_setup {
     int profile;                       /* index in pl_engine.profiles */
     const double *values;              /* (option_count) of the options, complete and in range */
     const pl_pair_coefficients *pairs; /* (material_count x material_count), for pl_setup_pair */
-    /* The scene's bounds hold where its bodies begin, and a kilometre around that, or as far as the
-     * fastest body goes in 60 s. */
+    /* The scene's bounds hold where its bodies begin, and 100 m around that, or as far as the fastest
+     * body goes in 10 s. */
     double lower[3]; /* m */
     double upper[3]; /* m */
 } pl_engine_setup;
