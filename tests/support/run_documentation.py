@@ -33,8 +33,11 @@ REDUCED = (
 # What a test cannot run: the file or the preset must exist.
 NOT_RUN = (
     (r"^\./(compare|tests)/run\b", "this installs packages and builds; .ci/run runs it"),
+    (r"^\./compare/state\b", "this takes half an hour"),
     (r"^cmake --workflow", "this builds once more"),
     (r"^plumb solve --benchmark", "this takes ten minutes"),
+    (r"^plumb (threshold|sweep) .*--cpu-limit 20 --timeout 90", "this takes minutes; compare/state runs it"),
+    (r"^plumb view state/runs", "compare/state makes that folder"),
 )
 # Pages that plumb new-engine writes, and how.
 TEMPLATES = {
