@@ -9,7 +9,7 @@ present=()
 for engine in "${engines[@]}"; do
     grep -qE "^$engine +" doctor || note_failure "doctor does not name $engine"
     if grep -qE "^$engine +absent" doctor; then
-        command=run expect 2 "engine $engine is absent: ./compare/run --with $engine gets it" tower --engine "$engine"
+        command=run expect 3 "engine $engine is absent: ./compare/run --with $engine gets it" tower --engine "$engine"
         command=compare expect 0 "engine $engine is absent" tower --duration 0.1 --engine plumb --with "$engine" --out "without-$engine"
     else
         present+=("$engine")
