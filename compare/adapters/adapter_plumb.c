@@ -28,6 +28,7 @@ enum {
     OPTION_ITERATIONS,
     OPTION_SLOP,
     OPTION_IMPACT_BODIES,
+    OPTION_THREADS,
     OPTION_COUNT
 };
 
@@ -52,6 +53,8 @@ static const pl_engine_option options[OPTION_COUNT] = {
     {"impact_bodies", 2, 0, 1e6, true, "1",
      "islands of so many bodies or fewer take impacts at their own time; fast: none",
      "def.impact_bodies = {};", ALL_PROFILES, 0, 16, false},
+    {"threads", 1, 1, PE_MOST_THREADS, true, "1",
+     "threads of a step; the bits are the same for any number", "def.threads = {};", 0, 0, 0, false},
 };
 
 static const pl_engine_profile profiles[] = {
@@ -215,6 +218,7 @@ static pl_status create(const pl_engine_setup *setup, pl_engine_instance **made,
     def.max_iterations = (int)values[OPTION_ITERATIONS];
     def.penetration_slop = values[OPTION_SLOP];
     def.impact_bodies = (int)values[OPTION_IMPACT_BODIES];
+    def.threads = (int)values[OPTION_THREADS];
 
     pe_error failure;
     pe_status status = PE_OK;

@@ -5,7 +5,7 @@
  * body B; separation is negative in penetration; impulses are in N s, on B.
  *
  * One world holds everything; there is no other state. Worlds are independent of each other, and
- * one world is used by one thread at a time. The same calls give the same bits, over runs,
+ * one world is used by one caller at a time, whose step may share the work among threads. The same calls give the same bits, over runs,
  * compilers and optimisation levels. Nothing here prints or exits: a function that can fail returns
  * a status and fills the optional pe_error. On failure it has changed nothing, unless noted. How
  * well the solver converged is no error: it is in pe_step_stats.
@@ -81,6 +81,17 @@ typedef enum pe_profile {
     PE_PROFILE_FAST
 } pe_profile;
 
+/* Threads that a world borrows from its caller: the task system of a game or of a simulator. */
+typedef struct pe_task_system {
+    /* Calls work(argument) once: now, later, or on another thread. Returns what `wait` takes, or NULL
+     * if the call has returned already. */
+    void *(*run)(void (*work)(void *argument), void *argument, void *context);
+    void (*wait)(void *task, void *context); /* returns when that call has returned */
+    void *context;                           /* passed to both */
+} pe_task_system;
+
+enum { PE_MOST_THREADS = 256 };
+
 /* The settings of a world, which stay as they are. */
 typedef struct pe_world_def {
     pe_vec3 gravity;    /* m/s^2 */
@@ -128,9 +139,19 @@ typedef struct pe_world_def {
     double penetration_slop;
 
     pe_allocator allocator; /* all NULL: aligned_alloc and free */
+
+    /* Threads that a step uses, the calling one included: 1 to PE_MOST_THREADS. The bits are the same
+     * for any number. With more than one the allocator must be safe to call from several threads at
+     * once, and more than there are free cores cost time. */
+    int threads;
+
+    /* Where the other threads come from. All NULL: the world starts its own, which end with it. A step
+     * then calls `run` threads - 1 times, and `wait` for each task, many times; tasks may be run one
+     * after the other. */
+    pe_task_system tasks;
 } pe_world_def;
 
-/* Gravity (0, 0, -9.81), tolerance 1e-8 m/s, and bounds fit for metre-sized bodies. */
+/* Gravity (0, 0, -9.81), tolerance 1e-8 m/s, bounds fit for metre-sized bodies, and one thread. */
 pe_world_def pe_world_def_default(void);
 
 /* Creates an empty world by a copy of *def. The caller owns *world, which is NULL on failure.

@@ -3,6 +3,7 @@
 #define PE_WORLD_H
 
 #include "base/memory.h"
+#include "base/pool.h"
 #include "base/vec3.h"
 #include "geometry.h"
 
@@ -156,6 +157,7 @@ struct pe_world {
     bool contacts_stale; /* bodies or materials were changed since `contacts` were found */
 
     pe_arena arena;
+    pe_pool *pool; /* the threads of a step */
 };
 
 /* The arrays of bodies, by slot. */

@@ -22,6 +22,7 @@ pe_world_def pe_world_def_default(void)
         .impact_bodies = 2,
         .contact_margin = 1e-3,
         .penetration_slop = 1e-4,
+        .threads = 1,
     };
 }
 
@@ -57,6 +58,13 @@ static pe_status check_def(const pe_world_def *def, pe_error *error)
         return pe_fail(error, PE_BAD_ARGUMENT, "impact_bodies: expected at least 0, found %d",
                        def->impact_bodies);
     }
+    if (def->threads < 1 || def->threads > PE_MOST_THREADS) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "threads: expected 1 to %d, found %d",
+                       PE_MOST_THREADS, def->threads);
+    }
+    if ((def->tasks.run == NULL) != (def->tasks.wait == NULL)) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "tasks: expected both functions or neither");
+    }
     if ((def->allocator.allocate == NULL) != (def->allocator.release == NULL)) {
         return pe_fail(error, PE_BAD_ARGUMENT, "allocator: expected both functions or neither");
     }
@@ -87,7 +95,10 @@ pe_status pe_world_create(const pe_world_def *def, pe_world **world, pe_error *e
     dummy.is_static = true;
     pe_body_id id;
     pe_material_id material;
-    status = pe_material_create(made, 0.5, 0, &material, error);
+    status = pe_pool_create(def, &allocator, &made->pool, error);
+    if (status == PE_OK) {
+        status = pe_material_create(made, 0.5, 0, &material, error);
+    }
     if (status == PE_OK) {
         status = pe_body_create(made, &dummy, &id, error);
     }
@@ -106,6 +117,7 @@ void pe_world_destroy(pe_world *world)
         return;
     }
     pe_allocator allocator = world->allocator;
+    pe_pool_destroy(world->pool, &allocator);
     pe_array *arrays[] = {
         &world->body_array,          &world->pose_array,          &world->twist_array,
         &world->mass_array,          &world->applied_force_array, &world->record_array,
