@@ -35,8 +35,8 @@ struct pe_pool {
     void *context;
     int count, grain, pieces;
 
-    _Alignas(CACHE_LINE) atomic_uint loop; /* odd while a loop is open, and other than before */
-    _Alignas(CACHE_LINE) atomic_int next;  /* the piece to be taken next */
+    _Alignas(CACHE_LINE) atomic_uint loop;  /* odd while a loop is open, and other than before */
+    _Alignas(CACHE_LINE) atomic_int next;   /* the piece to be taken next */
     _Alignas(CACHE_LINE) atomic_int inside; /* threads that may look at the loop */
     _Alignas(CACHE_LINE) atomic_int sleepers;
     atomic_bool stop;
@@ -53,11 +53,12 @@ static void relax(void)
 
 static void take_pieces(pe_pool *pool, int worker)
 {
-    for (int i; (i = atomic_fetch_add_explicit(&pool->next, 1, memory_order_relaxed)) <
-                pool->pieces;) {
+    for (int i;
+         (i = atomic_fetch_add_explicit(&pool->next, 1, memory_order_relaxed)) < pool->pieces;) {
         const int begin = i * pool->grain;
         const int left = pool->count - begin;
-        pool->piece(pool->context, worker, begin, begin + (left < pool->grain ? left : pool->grain));
+        pool->piece(pool->context, worker, begin,
+                    begin + (left < pool->grain ? left : pool->grain));
     }
 }
 

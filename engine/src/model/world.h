@@ -157,7 +157,8 @@ struct pe_world {
     bool contacts_stale; /* bodies or materials were changed since `contacts` were found */
 
     pe_arena arena;
-    pe_pool *pool; /* the threads of a step */
+    pe_pool *pool;         /* the threads of a step */
+    pe_world *views;       /* (threads): see view.h; NULL: one thread */
 };
 
 /* The arrays of bodies, by slot. */
@@ -208,6 +209,13 @@ static inline pe_manifold *pe_manifolds(const pe_contacts *contacts)
 static inline pe_manifold_point *pe_manifold_points(const pe_contacts *contacts)
 {
     return contacts->point_array.items;
+}
+
+/* Frees the memory of a list. */
+static inline void pe_contacts_free(pe_contacts *contacts, const pe_allocator *allocator)
+{
+    pe_array_free(&contacts->manifold_array, allocator);
+    pe_array_free(&contacts->point_array, allocator);
 }
 
 /* Exchanges two lists. */

@@ -71,6 +71,10 @@ pe_status pe_island_begin(pe_step *step, pe_island_item *item);
 /* Ends the solve, moves the bodies as pe_island_step does, and stores the impulses. */
 pe_status pe_island_end(pe_step *step, pe_island_item *item);
 
+/* Steps all islands: their velocities, and the poses that follow from them. Fills step->soft and
+ * step->solved_directly (solve_islands.c). */
+pe_status pe_solve_islands(pe_step *step);
+
 /* Builds and solves the island's contact problem, and counts it in step->stats. */
 pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_problem *island);
 

@@ -2,6 +2,7 @@
 #include "broad_phase/broad_phase.h"
 #include "model/geometry.h"
 #include "model/ranges.h"
+#include "model/view.h"
 #include "sparse/pattern_store.h"
 
 /* A world and what the phases of the step keep in it, in one block of memory. */
@@ -71,6 +72,44 @@ static pe_status check_def(const pe_world_def *def, pe_error *error)
     return PE_OK;
 }
 
+/* Starts the threads, and makes a view for each, with a store of patterns. */
+static pe_status create_threads(pe_world *world, pe_error *error)
+{
+    const pe_allocator *allocator = &world->allocator;
+    pe_status status = pe_pool_create(&world->def, allocator, &world->pool, error);
+    if (status != PE_OK || world->pool == NULL) {
+        return status;
+    }
+    const size_t count = (size_t)world->def.threads;
+    pe_world *views = allocator->allocate(allocator->context, count * sizeof *views);
+    pe_pattern_store *stores = allocator->allocate(allocator->context, count * sizeof *stores);
+    if (views == NULL || stores == NULL) {
+        pe_release(allocator, views);
+        pe_release(allocator, stores);
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %zu threads", count);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        stores[i] = (pe_pattern_store){0};
+        views[i] = (pe_world){.patterns = &stores[i]};
+    }
+    world->views = views;
+    return PE_OK;
+}
+
+static void destroy_threads(pe_world *world)
+{
+    if (world->views != NULL) {
+        pe_pattern_store *stores = world->views[0].patterns;
+        for (int i = 0; i < world->def.threads; ++i) {
+            pe_pattern_store_free(&stores[i], &world->allocator);
+        }
+        pe_views_free(world);
+        pe_release(&world->allocator, stores);
+        pe_release(&world->allocator, world->views);
+    }
+    pe_pool_destroy(world->pool, &world->allocator);
+}
+
 pe_status pe_world_create(const pe_world_def *def, pe_world **world, pe_error *error)
 {
     *world = NULL;
@@ -95,7 +134,7 @@ pe_status pe_world_create(const pe_world_def *def, pe_world **world, pe_error *e
     dummy.is_static = true;
     pe_body_id id;
     pe_material_id material;
-    status = pe_pool_create(def, &allocator, &made->pool, error);
+    status = create_threads(made, error);
     if (status == PE_OK) {
         status = pe_material_create(made, 0.5, 0, &material, error);
     }
@@ -117,7 +156,7 @@ void pe_world_destroy(pe_world *world)
         return;
     }
     pe_allocator allocator = world->allocator;
-    pe_pool_destroy(world->pool, &allocator);
+    destroy_threads(world);
     pe_array *arrays[] = {
         &world->body_array,          &world->pose_array,          &world->twist_array,
         &world->mass_array,          &world->applied_force_array, &world->record_array,
@@ -129,8 +168,7 @@ void pe_world_destroy(pe_world *world)
         pe_array_free(arrays[i], &allocator);
     }
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; ++i) {
-        pe_array_free(&lists[i]->manifold_array, &allocator);
-        pe_array_free(&lists[i]->point_array, &allocator);
+        pe_contacts_free(lists[i], &allocator);
     }
     pe_geometry **geometries = world->geometry_array.items;
     for (int i = 0; i < world->geometry_count; ++i) {
