@@ -54,7 +54,8 @@ static const pl_engine_option options[OPTION_COUNT] = {
      "islands of so many bodies or fewer take impacts at their own time; fast: none",
      "def.impact_bodies = {};", ALL_PROFILES, 0, 16, false},
     {"threads", 1, 1, PE_MOST_THREADS, true, "1",
-     "threads of a step; the bits are the same for any number", "def.threads = {};", 0, 0, 0, false},
+     "threads of a step; the bits are the same for any number", "def.threads = {};", 0, 0, 0,
+     false},
 };
 
 static const pl_engine_profile profiles[] = {

@@ -22,7 +22,7 @@ static void test_a_resting_scene_allocates_nothing_after_warm_up(void **state)
     pe_world *world = make_world(&def);
     pe_body_id ids[8];
     add_tower(world, 8, (pe_material_id){0}, ids);
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 10; ++i) {
         step(world, H);
     }
     int made = c.calls;

@@ -1,6 +1,7 @@
 #include "world_for_tests.h"
 
 #include "check.h"
+#include "model/rest.h"
 
 static void require(pe_status status, const pe_error *error)
 {
@@ -75,4 +76,11 @@ void add_tower(pe_world *world, int n, pe_material_id material, pe_body_id *ids)
         def.material = material;
         ids[i] = add_body(world, &def);
     }
+}
+
+void wake_all(pe_world *world)
+{
+    pe_error error;
+    pe_rest_mark_all(world);
+    require(pe_rest_wake(world, &error), &error);
 }

@@ -12,6 +12,9 @@ pe_body_def box_def(double hx, double hy, double hz, pe_vec3 position);
 pe_body_state state_of(const pe_world *world, pe_body_id body);
 pe_step_stats step(pe_world *world, double dt);
 
+/* Has the contacts of islands at rest in world->contacts, as those of the others. */
+void wake_all(pe_world *world);
+
 /* Cubes of side 1 and 1 kg, exactly stacked on the plane z = 0; ids (n). */
 void add_tower(pe_world *world, int n, pe_material_id material, pe_body_id *ids);
 

@@ -14,6 +14,7 @@
  *     |x - x0| + 2 r |q - q0| + h |v| + h r |w| + slack <= margin. */
 #include "broad_phase.h"
 
+#include "model/rest.h"
 #include "model/shape.h"
 
 #include <string.h>
@@ -254,9 +255,11 @@ static void update_all_boxes(pe_world *world, double dt)
 {
     const pe_proxy *proxies = proxies_of(world->broad);
     double slack = pe_margin_slack(world, dt);
+    const int *resting = pe_resting_of(world);
     for (int slot = 1; slot < world->slot_count; ++slot) {
-        if (proxies[slot].bounded && !is_within_tight(&proxies[slot], &pe_poses(world)[slot],
-                                                      &pe_twists(world)[slot], dt, slack)) {
+        if (!pe_rests(resting, slot) && proxies[slot].bounded &&
+            !is_within_tight(&proxies[slot], &pe_poses(world)[slot], &pe_twists(world)[slot], dt,
+                             slack)) {
             update_boxes(world, slot, dt, slack);
         }
     }
@@ -414,6 +417,14 @@ static pe_status update_pairs(pe_world *world, double dt, pe_error *error)
     return status == PE_OK && broad->tight_changed ? update_tight_pairs(world, error) : status;
 }
 
+/* Whether one of the bodies is neither static nor at rest. */
+static bool is_active(const pe_world *world, const int *resting, pe_pair pair)
+{
+    const pe_proxy *a = &proxies_of(world->broad)[pair.a], *b = &proxies_of(world->broad)[pair.b];
+    return (!pe_rests(resting, pair.a) && !a->is_static) ||
+           (!pe_rests(resting, pair.b) && !b->is_static);
+}
+
 pe_status pe_broad_phase(pe_world *world, double dt, const bool *moved, pe_pair_list *pairs,
                          pe_error *error)
 {
@@ -429,8 +440,10 @@ pe_status pe_broad_phase(pe_world *world, double dt, const bool *moved, pe_pair_
     if (pairs->items == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", count);
     }
+    const int *resting = pe_resting_of(world);
     for (int i = 0; i < count; ++i) {
-        if (moved == NULL || moved[tight[i].a] || moved[tight[i].b]) {
+        if ((moved == NULL || moved[tight[i].a] || moved[tight[i].b]) &&
+            (resting == NULL || is_active(world, resting, tight[i]))) {
             pairs->items[pairs->count++] = tight[i];
         }
     }

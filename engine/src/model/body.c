@@ -1,7 +1,7 @@
 /* Bodies: creation, destruction, state, and forces on them. */
 #include "ranges.h"
+#include "rest.h"
 #include "shape.h"
-#include "world.h"
 
 pe_body_def pe_body_def_default(void)
 {
@@ -240,6 +240,7 @@ pe_status pe_body_destroy(pe_world *world, pe_body_id body, pe_error *error)
     forget_contacts(&world->contacts, slot);
     forget_contacts(&world->solved, slot);
     forget_contacts_apart(world, body.index);
+    pe_rest_forget(world, slot);
     world->bodies_changed = true;
     world->contacts_stale = true;
     gone->alive = false;

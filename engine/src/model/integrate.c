@@ -1,5 +1,7 @@
 #include "integrate.h"
 
+#include "rest.h"
+
 /* Newton's steps, and then, for rotations of radians a step at which Newton's method diverges,
  * steps with the derivative at a small rotation, which converge slowly but surely. */
 enum { MAX_NEWTON_STEPS = 12, MAX_SPIN_ITERATIONS = 300 };
@@ -180,7 +182,11 @@ pe_free_motion pe_predict_body(const pe_world *world, int slot, bool flies, doub
 
 void pe_predict_motion(const pe_world *world, const int *place, double dt, pe_free_motion *motions)
 {
+    const int *resting = pe_resting_of(world);
     for (int slot = 0; slot < world->slot_count; ++slot) {
+        if (pe_rests(resting, slot)) {
+            continue;
+        }
         const pe_twist *twist = &pe_twists(world)[slot];
         if (pe_masses(world)[slot].inverse_mass == 0) {
             motions[slot] = (pe_free_motion){.end = *twist, .mean = *twist};

@@ -54,6 +54,12 @@ typedef struct pe_backoff {
     int pause; /* steps that the last wait took; 0: it did not fail last */
 } pe_backoff;
 
+/* Solves in a row that were to make an island stop. */
+typedef struct pe_stopping {
+    pe_backoff backoff;
+    int tries; /* since it last waited */
+} pe_stopping;
+
 /* What earlier steps found out about the island of a body, by which later ones save work. */
 typedef struct pe_record {
     pe_backoff correction; /* exact position correction, which was taken back */
@@ -61,6 +67,7 @@ typedef struct pe_record {
     pe_backoff settling;   /* sweeps at rest, which gained nothing */
     pe_backoff parting;    /* overlap, which was not parted */
     pe_backoff parts;      /* steps in parts, which had to be joined */
+    pe_stopping stopping;  /* to make an island rest that hardly moves */
     double residual, rms;  /* m/s: what the last solve left */
     bool put_back;         /* the energy guard put the island back, which had been at rest */
 } pe_record;
@@ -141,6 +148,7 @@ struct pe_world {
     /* What the phases of the step keep from step to step; pe_world_create makes them. */
     struct pe_broad *broad;
     struct pe_pattern_store *patterns;
+    struct pe_rest *rest;
     bool bodies_changed; /* a body was created or destroyed since the broad phase last looked */
 
     /* `contacts` are those at the poses now, to be solved next, with the impulses of the warm
@@ -157,8 +165,8 @@ struct pe_world {
     bool contacts_stale; /* bodies or materials were changed since `contacts` were found */
 
     pe_arena arena;
-    pe_pool *pool;         /* the threads of a step */
-    pe_world *views;       /* (threads): see view.h; NULL: one thread */
+    pe_pool *pool;   /* the threads of a step */
+    pe_world *views; /* (threads): see view.h; NULL: one thread */
 };
 
 /* The arrays of bodies, by slot. */

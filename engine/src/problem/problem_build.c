@@ -44,9 +44,12 @@ static bool outlasts(const pe_world *world, const pe_manifold *m, const pe_manif
 
 /* b_n of problem.h. There is a bounce only if the gap closes within the step. */
 static double bias_of(const pe_world *world, const pe_manifold *m, const pe_manifold_point *point,
-                      const pe_free_motion *free, double dt)
+                      const pe_interval *interval)
 {
-    double gap = closable(point->separation);
+    const pe_free_motion *free = interval->free;
+    const double dt = interval->dt;
+    const bool stays = interval->stops && point->separation <= TOUCHING;
+    double gap = stays ? 0 : closable(point->separation);
     if (m->restitution > 0) {
         const pe_twist *twists = pe_twists(world);
         double approach = pe_opening_speed(world, m, point, &twists[m->a], &twists[m->b]);
@@ -134,7 +137,7 @@ static void fill_manifold(const pe_world *world, const pe_manifold *m, const pe_
             point->s[k] = pe_dot(axis[k], s);
             impulse[k] = pe_dot(axis[k], points[j].impulse);
         }
-        point->bias = bias_of(world, m, &points[j], interval->free, interval->dt);
+        point->bias = bias_of(world, m, &points[j], interval);
         point->slip[0] = point->slip[1] = 0;
         point->scale = pe_point_scale(a, b, ra, rb);
         built->point_of[first + j] = m->first + j;

@@ -13,6 +13,7 @@ typedef struct pe_interval {
     const pe_free_motion *free; /* (slots): the motion without contacts; NULL: bodies are at rest */
     double dt;                  /* s */
     bool instant;               /* an impact: nothing moves */
+    bool stops;                 /* gaps of touching contacts stay as they are */
     bool solved;                /* the impulses are not of the last step, but fit */
     pe_path path;               /* set to the path on which the island was solved */
     bool substep;               /* its contacts are listed apart */

@@ -1,5 +1,7 @@
 /* The contact problems of the coming step, copied out of the world. */
 #include "plumb/contact_problem.h"
+
+#include "model/rest.h"
 #include "step.h"
 
 #include <string.h>
@@ -116,6 +118,10 @@ pe_status pe_world_capture_problems(pe_world *world, double dt, pe_contact_probl
         return status;
     }
     pe_arena_reset(&world->arena, &world->allocator);
+    pe_rest_mark_all(world);
+    if ((status = pe_rest_wake(world, error)) != PE_OK) {
+        return status;
+    }
     bool renewed = world->contacts_stale || dt != world->previous_dt;
     if (renewed && (status = renew_contacts(world, dt, error)) != PE_OK) {
         return status;

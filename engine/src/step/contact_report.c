@@ -1,4 +1,5 @@
 /* The contacts of the last step as the caller reads them. */
+#include "model/rest.h"
 #include "step.h"
 
 #include <string.h>
@@ -101,6 +102,26 @@ pe_status pe_list_apart(pe_step *step, const pe_interval *interval, double end,
 
 /* ---- All contacts ---- */
 
+/* Adds the contacts of islands that were at rest during the step. Returns how many contacts there are
+ * then. */
+static int report_resting(const pe_world *world, pe_contact *contacts, int capacity, int count)
+{
+    const pe_rest *rest = world->rest;
+    for (int k = 0; k < rest->island_count; ++k) {
+        const pe_resting_island *island = &((const pe_resting_island *)rest->island_array.items)[k];
+        pe_point_walk at = pe_walk_points(&rest->contacts);
+        at.next_manifold = island->first_manifold;
+        at.count = island->first_manifold + island->manifold_count;
+        while (!island->is_new && pe_next_point(&at)) {
+            if (count < capacity) {
+                write_contact_of_step(world, &at, &contacts[count]);
+            }
+            count += 1;
+        }
+    }
+    return count;
+}
+
 int pe_world_get_contacts(const pe_world *world, pe_contact *contacts, int capacity)
 {
     int count = 0;
@@ -112,6 +133,7 @@ int pe_world_get_contacts(const pe_world *world, pe_contact *contacts, int capac
             count += 1;
         }
     }
+    count = report_resting(world, contacts, capacity, count);
     const int fitting =
         capacity - count < world->apart_count ? capacity - count : world->apart_count;
     if (fitting > 0) {

@@ -1,4 +1,5 @@
 /* Which islands have their positions corrected, how far, and by which solver. */
+#include "model/rest.h"
 #include "step.h"
 
 /* Depth, in m, from which position correction acts in islands that were solved directly. */
@@ -50,7 +51,12 @@ static const bool *find_exactly_corrected(pe_step *step)
 {
     pe_world *world = step->world;
     bool *found = pe_scratch(world, (size_t)world->slot_count, sizeof *found);
+    const int *resting = pe_resting_of(world);
     for (int slot = 0; slot < world->slot_count && found != NULL; ++slot) {
+        found[slot] = false;
+        if (pe_rests(resting, slot)) {
+            continue;
+        }
         pe_backoff *b = &pe_records(world)[slot].correction;
         found[slot] = step->solved_directly[slot] && b->wait == 0;
         b->wait -= b->wait > 0;
@@ -81,8 +87,9 @@ static pe_status correct_fast(pe_step *step)
     if (swept == NULL || soft == NULL) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %zu bodies", slots);
     }
+    const int *resting = pe_resting_of(step->world);
     for (int slot = 1; slot < step->world->slot_count; ++slot) {
-        soft[slot] = !pe_bodies(step->world)[slot].is_static;
+        soft[slot] = !pe_rests(resting, slot) && !pe_bodies(step->world)[slot].is_static;
     }
     for (int k = 0; k < islands->count; ++k) {
         for (int i = islands->body_start[k]; !step->soft[k] && i < islands->body_start[k + 1];

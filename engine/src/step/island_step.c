@@ -48,6 +48,12 @@ static const double NEGLIGIBLE_SPEED = 1e-6;
  * With the new velocities its bodies would lose a thousand times as much. */
 static const double TURNING_PART = 1;
 
+/* An island that hardly moves is made to stop, so that it can rest: in units of the tolerance, the aim of
+ * these solves, and what bounds them. After so many in a row it waits. A warm start that leaves more than
+ * DISTURBED, in m/s, says that something has happened. */
+static const double STOPPING = 1e-4, DISTURBED = 1e-6;
+enum { STOPPING_ITERATIONS = 4, MOST_TRIES = 3 };
+
 /* How often the midpoint of a contact that rolls on a rim is found from impulses that fit at the last
  * one. */
 enum { WANDERING_ROUNDS = 2 };
@@ -95,6 +101,9 @@ static pe_record record_of(const pe_world *world, const int *slots, int count)
         const pe_record *r = &pe_records(world)[slots[i]];
         record.direct = longer(record.direct, r->direct);
         record.settling = longer(record.settling, r->settling);
+        record.stopping.backoff = longer(record.stopping.backoff, r->stopping.backoff);
+        record.stopping.tries =
+            r->stopping.tries > record.stopping.tries ? r->stopping.tries : record.stopping.tries;
     }
     return record;
 }
@@ -107,15 +116,31 @@ static pe_backoff after_step(pe_backoff before, bool done, bool failed)
                            : before;
 }
 
+/* What is noted of the tries to stop an island. */
+static pe_stopping after_try(const pe_island_item *item)
+{
+    pe_stopping s = item->record.stopping;
+    if (item->solving.warm > DISTURBED) {
+        return (pe_stopping){0};
+    }
+    if (!item->interval.stops) {
+        s.backoff.wait -= s.backoff.wait > 0;
+    } else if (item->exact && ++s.tries == MOST_TRIES) {
+        s = (pe_stopping){.backoff = pe_backoff_after(true, s.backoff.pause)};
+    }
+    return s;
+}
+
 /* Notes for all bodies of the island what its solve was like. */
 static void note_solve(const pe_world *world, const pe_island_item *item)
 {
     const pe_island_report *report = &item->solving.report;
-    const bool done = report->path != PE_PATH_WARM;
+    const bool done = report->path != PE_PATH_WARM && !item->exact;
     for (int i = 0; i < item->island.problem.body_count; ++i) {
         pe_record *r = &pe_records(world)[item->island.slot[i]];
         r->direct = after_step(item->record.direct, done, report->direct_failed);
         r->settling = after_step(item->record.settling, done, report->settling_failed);
+        r->stopping = after_try(item);
         r->residual = report->solve.residual.max;
         r->rms = report->solve.residual.rms;
         r->put_back = false;
@@ -235,10 +260,49 @@ static void calm_down(double ratio, pe_solving *solving)
     }
 }
 
+/* Whether the island hardly moves, on contacts that it had before. */
+static bool hardly_moves(const pe_step *step, const pe_islands *islands, int k)
+{
+    for (int i = islands->start[k]; i < islands->start[k + 1]; ++i) {
+        if (!pe_manifolds(&step->world->contacts)[islands->manifolds[i]].kept) {
+            return false;
+        }
+    }
+    return pe_is_slow(step, islands, k, step->world->def.tolerance);
+}
+
+/* Begins to solve. Where an island is to stop and its warm start would be kept, it is solved as exactly as
+ * rounding allows. */
+static pe_status begin_solve(const pe_step *step, pe_island_item *item)
+{
+    pe_solving *solving = &item->solving;
+    const pe_workspace work = pe_step_memory(step->world);
+    pe_status status = pe_solving_begin(solving, work, step->error);
+    item->exact = status == PE_OK && solving->report.path == PE_PATH_WARM && item->interval.stops;
+    if (item->exact) {
+        const pe_island_limits limits = solving->limits;
+        solving->limits.tolerance *= STOPPING;
+        solving->limits.max_iterations = limits.max_iterations < STOPPING_ITERATIONS
+                                             ? limits.max_iterations
+                                             : STOPPING_ITERATIONS;
+        status = pe_solving_begin(solving, work, step->error);
+        solving->limits = limits;
+        solving->sweeps = 0;
+    }
+    return status;
+}
+
 pe_status pe_island_begin(pe_step *step, pe_island_item *item)
 {
     pe_world *world = step->world;
-    pe_status status = pe_problem_build(world, &item->interval, &item->island, step->error);
+    pe_interval *interval = &item->interval;
+    const int first = interval->islands->body_start[interval->k];
+    const int end = interval->islands->body_start[interval->k + 1];
+    item->record = record_of(world, interval->islands->bodies + first, end - first);
+    interval->stops = !interval->substep && item->record.stopping.backoff.wait == 0 &&
+                      item->record.direct.wait == 0 &&
+                      hardly_moves(step, interval->islands, interval->k);
+    pe_status status = pe_problem_build(world, interval, &item->island, step->error);
     if (status == PE_OK && (item->island.unsettled || item->island.wanders)) {
         status = settle(step, item);
     }
@@ -246,7 +310,6 @@ pe_status pe_island_begin(pe_step *step, pe_island_item *item)
         return status;
     }
     item->history = (pe_solve_history){.marks = item->marks, .capacity = PE_HISTORY};
-    item->record = record_of(world, item->island.slot, item->island.problem.body_count);
     item->solving = (pe_solving){
         .problem = &item->island.problem,
         .limits = limits_of(world, &item->island),
@@ -255,12 +318,11 @@ pe_status pe_island_begin(pe_step *step, pe_island_item *item)
     item->solving.limits.direct_waits = item->record.direct.wait > 0;
     item->solving.limits.settling_waits = item->record.settling.wait > 0;
     if (world->def.profile != PE_PROFILE_FAST) {
-        return pe_solving_begin(&item->solving, pe_step_memory(world), step->error);
+        return begin_solve(step, item);
     }
-    const pe_interval *interval = &item->interval;
     const double ratio = pe_island_mass_ratio(world, interval->islands, interval->k);
     limit_fast(&item->island, ratio, &item->solving.limits);
-    status = pe_solving_begin(&item->solving, pe_step_memory(world), step->error);
+    status = begin_solve(step, item);
     calm_down(ratio, &item->solving);
     return status;
 }

@@ -1,5 +1,6 @@
 /* Bounds that hold in every step, however badly a contact problem was solved. */
 #include "model/ranges.h"
+#include "model/rest.h"
 #include "step.h"
 
 /* In units of the least half extent: how far a body may move in a step beyond what its velocities
@@ -105,7 +106,11 @@ static const char *fault_of(const pe_pose *pose, const pe_twist *twist, pe_vec3 
 pe_status pe_check_motion(const pe_step *step)
 {
     const pe_body *bodies = pe_bodies(step->world);
+    const int *resting = pe_resting_of(step->world);
     for (int slot = 1; slot < step->world->slot_count; ++slot) {
+        if (pe_rests(resting, slot)) {
+            continue;
+        }
         pe_vec3 found;
         const char *what = bodies[slot].alive ? fault_of(&pe_poses(step->world)[slot],
                                                          &pe_twists(step->world)[slot], &found)
@@ -224,6 +229,9 @@ bool pe_bound_motion(const pe_step *step, bool *put_back)
 {
     bool any = false;
     for (int slot = 1; slot < step->world->slot_count; ++slot) {
+        if (step->islands.place[slot] < 0 && !step->corrected[slot]) {
+            continue;
+        }
         const pe_body *body = &pe_bodies(step->world)[slot];
         bool pushed = step->islands.place[slot] >= 0 || step->corrected[slot];
         if (body->alive && !body->is_static && pushed && bound_body(step, slot)) {

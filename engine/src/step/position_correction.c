@@ -14,6 +14,7 @@
  * of the island by one factor. The violation is a convex function of them and 0 is no better, so that a
  * part mends as well, by less. Deep overlap is parted over several steps. Where that leads nowhere
  * the bodies are left as they are for a while. */
+#include "model/rest.h"
 #include "solver/kernels.h"
 #include "step.h"
 
@@ -530,7 +531,7 @@ static pe_status correct_once(correction *c)
 
 static pe_status find_moved_contacts(correction *c)
 {
-    return pe_contacts_update(c->world, &c->step->rules, c->moved, c->step->dt, c->error);
+    return pe_update_contacts(c->step, c->moved);
 }
 
 /* The state of all bodies at some time. */
@@ -667,7 +668,11 @@ pe_status pe_overlap_end(pe_step *step)
         return pe_fail(step->error, PE_NO_MEMORY, "no memory for the overlap of %zu bodies", slots);
     }
     find_overlap(step->world, now);
+    const int *resting = pe_resting_of(step->world);
     for (size_t slot = 1; slot < slots; ++slot) {
+        if (pe_rests(resting, (int)slot)) {
+            continue;
+        }
         pe_backoff *b = &pe_records(step->world)[slot].parting;
         if (b->wait > 0) {
             b->wait -= 1;

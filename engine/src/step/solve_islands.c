@@ -62,9 +62,13 @@ static pe_status step_impacts(pe_step *step, int k, bool *done)
 /* Ends an island whose sweeps, if it asked for any, are made. */
 static pe_status end_island(pe_step *step, pe_island_item *item)
 {
+    const int k = item->interval.k;
     pe_status status = pe_island_end(step, item);
     if (status == PE_OK) {
-        count_island(step, item->interval.k, item->interval.path);
+        count_island(step, k, item->interval.path);
+    }
+    if (status == PE_OK && item->interval.path != PE_PATH_SWEEPS) {
+        pe_hold_island(step, k);
     }
     return status;
 }
@@ -430,6 +434,7 @@ pe_status pe_solve_islands(pe_step *step)
     const size_t tasks = 2 + 2 * (size_t)world->contacts.point_count / TASK_POINTS;
     pe_status status = choose_soft(step);
     int *islands = pe_scratch(world, most, sizeof *islands);
+    step->held = pe_scratch_zero(world, most, sizeof *step->held);
     pass p = {.step = step,
               .work = begin_islands,
               .islands = islands,

@@ -26,7 +26,8 @@ typedef struct pe_step {
     pe_free_motion *free; /* the step without contacts */
 
     bool *soft;            /* (islands): solved by soft contact */
-    bool *moves;           /* bodies whose island is not held */
+    bool *held;            /* (islands): kept at rest as they were, from velocities of zero */
+    bool *moves;           /* bodies whose island was not left as it is (pe_island_hold) */
     bool *solved_directly; /* bodies whose island was not swept */
 
     bool repeats; /* same forces, dt and bodies as in the step before */
@@ -50,6 +51,7 @@ typedef struct pe_island_item {
     pe_island_problem island;
     pe_solving solving;
     pe_record record; /* of the island */
+    bool exact;       /* solved as exactly as rounding allows */
     pe_solve_history history;
     pe_solve_mark marks[PE_HISTORY];
 } pe_island_item;
@@ -70,6 +72,13 @@ pe_status pe_island_begin(pe_step *step, pe_island_item *item);
 
 /* Ends the solve, moves the bodies as pe_island_step does, and stores the impulses. */
 pe_status pe_island_end(pe_step *step, pe_island_item *item);
+
+/* Leaves an island as it was at the step's start, with velocities of zero, if it was still and its
+ * velocities have hardly changed. Flags it in step->held if its velocities were zero. */
+void pe_hold_island(pe_step *step, int k);
+
+/* Whether all bodies of island k are slower than `most`, in m/s, and have no applied force. */
+bool pe_is_slow(const pe_step *step, const pe_islands *islands, int k, double most);
 
 /* Steps all islands: their velocities, and the poses that follow from them. Fills step->soft and
  * step->solved_directly (solve_islands.c). */
@@ -107,6 +116,21 @@ typedef struct pe_moved {
  * impulses are stored and the bodies have moved (contact_report.c). */
 pe_status pe_list_apart(pe_step *step, const pe_interval *interval, double end,
                         const pe_island_problem *island, const pe_moved *moved);
+
+/* ---- Rest (rest_islands.c) ---- */
+
+/* Puts held islands at rest (rest.h) which the rest of the step has left as they were. */
+pe_status pe_rest_islands(pe_step *step);
+
+/* Wakes, at the start of a step, the islands with an applied force, or all. */
+pe_status pe_wake_changed(pe_step *step, bool all);
+
+/* Wakes islands at rest that have a contact in world->contacts, and has them take part in the step.
+ * Called whenever contacts were found. */
+pe_status pe_wake_touched(pe_step *step);
+
+/* pe_contacts_update, and pe_wake_touched. */
+pe_status pe_update_contacts(pe_step *step, const bool *moved);
 
 /* ---- Islands in parts (island_parts.c) ---- */
 

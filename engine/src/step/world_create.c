@@ -2,6 +2,7 @@
 #include "broad_phase/broad_phase.h"
 #include "model/geometry.h"
 #include "model/ranges.h"
+#include "model/rest.h"
 #include "model/view.h"
 #include "sparse/pattern_store.h"
 
@@ -10,6 +11,7 @@ typedef struct full_world {
     pe_world world; /* first: a pointer to it is one to the block */
     pe_broad broad;
     pe_pattern_store patterns;
+    pe_rest rest;
 } full_world;
 
 pe_world_def pe_world_def_default(void)
@@ -126,7 +128,8 @@ pe_status pe_world_create(const pe_world_def *def, pe_world **world, pe_error *e
     *block = (full_world){.world = {.def = *def,
                                     .allocator = allocator,
                                     .broad = &block->broad,
-                                    .patterns = &block->patterns}};
+                                    .patterns = &block->patterns,
+                                    .rest = &block->rest}};
     pe_world *made = &block->world;
 
     /* Slot 0 is the static dummy, and material 0 the default one. */
@@ -177,6 +180,7 @@ void pe_world_destroy(pe_world *world)
     pe_array_free(&world->geometry_array, &allocator);
     pe_broad_free(world->broad, &allocator);
     pe_pattern_store_free(world->patterns, &allocator);
+    pe_rest_free(world->rest, &allocator);
     pe_arena_free(&world->arena, &allocator);
     pe_release(&allocator, world);
 }

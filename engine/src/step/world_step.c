@@ -1,9 +1,9 @@
 /* The step: a straight pipeline of phases, each timed. */
 #define _POSIX_C_SOURCE 199309L
 
-#include "impact.h"
 #include "model/ranges.h"
-#include "solver/soft.h"
+#include "model/rest.h"
+#include "step.h"
 
 #include <string.h>
 #include <time.h>
@@ -63,8 +63,13 @@ static pe_status begin_step(pe_step *step)
     }
     step->poses = world->start_pose_array.items;
     memset(step->moves, true, slots * sizeof *step->moves);
-    memcpy(step->poses, pe_poses(world), slots * sizeof *step->poses);
-    memcpy(step->twists, pe_twists(world), slots * sizeof *step->twists);
+    const int *resting = pe_resting_of(world);
+    for (size_t slot = 0; slot < slots; ++slot) {
+        if (!pe_rests(resting, (int)slot)) { /* those at rest are where they were */
+            step->poses[slot] = pe_poses(world)[slot];
+            step->twists[slot] = pe_twists(world)[slot];
+        }
+    }
     return PE_OK;
 }
 
@@ -78,8 +83,13 @@ static void undo_step(const pe_step *step, pe_status status)
         step->world->has_applied_forces = false;
         step->world->contacts.manifold_count = step->world->contacts.point_count = 0;
     }
-    memcpy(pe_poses(step->world), step->poses, slots * sizeof *step->poses);
-    memcpy(pe_twists(step->world), step->twists, slots * sizeof *step->twists);
+    const int *resting = pe_resting_of(step->world);
+    for (size_t slot = 0; slot < slots; ++slot) {
+        if (!pe_rests(resting, (int)slot)) {
+            pe_poses(step->world)[slot] = step->poses[slot];
+            pe_twists(step->world)[slot] = step->twists[slot];
+        }
+    }
     step->world->contacts_stale = true;
 }
 
@@ -97,6 +107,7 @@ static pe_status find_contacts(pe_step *step)
     }
     if (status == PE_OK) {
         pe_contacts_scale_impulses(world, step->dt);
+        status = pe_wake_touched(step);
         step->stats.time_contacts += lap(&mark);
     }
     return status;
@@ -109,9 +120,19 @@ static pe_status find_islands(pe_step *step)
     world->contacts_stale = false;
     pe_status status = pe_islands_find(world, &step->islands, step->error);
     step->stats.time_islands = lap(&mark);
-    step->stats.islands = step->islands.count;
-    step->stats.manifolds = world->contacts.manifold_count;
-    step->stats.contacts = world->contacts.point_count;
+    const pe_rest_totals *rest = &world->rest->totals;
+    step->stats.islands = step->islands.count + rest->islands;
+    step->stats.manifolds = world->contacts.manifold_count + rest->manifolds;
+    step->stats.contacts = world->contacts.point_count + rest->points;
+    step->stats.islands_by_path[PE_PATH_WARM] = rest->islands;
+    step->stats.penetration = rest->penetration;
+    if (rest->islands > 0) {
+        step->stats.path = PE_PATH_WARM;
+        step->stats.stop = PE_STOP_CONVERGED;
+        step->stats.residual = rest->residual;
+        step->residual_squares = rest->squares;
+        step->residual_points = rest->points;
+    }
     return status;
 }
 
@@ -129,8 +150,10 @@ static pe_status solve_and_move(pe_step *step)
     }
     step->stats.time_solve = lap(&mark);
     const pe_body *bodies = pe_bodies(world);
+    const int *resting = pe_resting_of(world);
     for (int slot = 1; slot < world->slot_count; ++slot) {
-        if (bodies[slot].alive && !bodies[slot].is_static && step->islands.place[slot] < 0) {
+        if (step->islands.place[slot] < 0 && !pe_rests(resting, slot) && bodies[slot].alive &&
+            !bodies[slot].is_static) {
             pe_integrate_free(world, slot, step->free, step->dt);
         }
     }
@@ -178,16 +201,18 @@ static pe_status guard_energy(pe_step *step)
         pe_energy_guard(step, &groups, put_back, &again);
         pe_bound_motion(step, put_back);
     }
-    return report.put_back > 0 || bounded
-               ? pe_contacts_update(world, &step->rules, put_back, step->dt, step->error)
-               : PE_OK;
+    return report.put_back > 0 || bounded ? pe_update_contacts(step, put_back) : PE_OK;
 }
 
 static void clear_applied_forces(const pe_step *step)
 {
     pe_world *world = step->world;
     pe_applied_force *applied = pe_applied_forces(world);
+    const int *resting = pe_resting_of(world);
     for (int i = 0; i < world->slot_count && world->has_applied_forces; ++i) {
+        if (pe_rests(resting, i)) {
+            continue;
+        }
         pe_vec3 gained =
             pe_sub(pe_twists(world)[i].angular_velocity, step->twists[i].angular_velocity);
         bool rotated = applied[i].rotates;
@@ -215,6 +240,9 @@ static pe_status run_phases(pe_step *step)
     if (status == PE_OK) {
         status = pe_check_motion(step);
     }
+    if (status == PE_OK) {
+        status = pe_rest_islands(step);
+    }
     step->stats.time_project = lap(&mark);
     return status;
 }
@@ -232,6 +260,7 @@ pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_err
     }
     pe_arena_reset(&world->arena, &world->allocator);
     world->apart_count = 0;
+    const bool stale = world->contacts_stale || dt != world->previous_dt;
     pe_step step = {
         .world = world,
         .dt = dt,
@@ -239,7 +268,10 @@ pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_err
         .shallow = SHALLOW * world->def.penetration_slop,
         .error = error,
     };
-    status = begin_step(&step);
+    status = pe_wake_changed(&step, stale);
+    if (status == PE_OK) {
+        status = begin_step(&step);
+    }
     if (status != PE_OK) {
         return status;
     }

@@ -1,0 +1,82 @@
+/* Islands at rest: bodies that a step would leave as they are, with their contacts. They are kept apart
+ * from the lists that a step walks, so that they cost it next to nothing.
+ *
+ * An island at rest has velocities of zero, and only static bodies and its own touch it. It wakes, which
+ * means that its contacts go back to world->contacts, when an active body gets a contact with it, when a
+ * force is applied to it, and when bodies or materials are changed. */
+#ifndef PE_REST_H
+#define PE_REST_H
+
+#include "island.h"
+
+/* One island at rest. */
+typedef struct pe_resting_island {
+    int first_body, body_count;         /* of body_array; no bodies: the island is gone */
+    int first_manifold, manifold_count; /* of contacts */
+    int first_point, point_count;       /* of contacts: room for the points of the manifolds */
+    bool is_new; /* it came to rest at the end of the last step, in which it was solved */
+    bool wakes;  /* it is to be woken, or has been since the last step began */
+} pe_resting_island;
+
+/* What the islands at rest count for. */
+typedef struct pe_rest_totals {
+    int islands, bodies, manifolds, points;
+    double residual;    /* m/s, largest, of their last solves */
+    double squares;     /* (m/s)^2: rms residual squared times points, summed */
+    double penetration; /* m, deepest */
+} pe_rest_totals;
+
+/* All islands at rest. All zero is none. */
+typedef struct pe_rest {
+    pe_array island_array; /* (island_count) pe_resting_island */
+    pe_array body_array;   /* (body_count) slots, by island */
+    pe_contacts contacts;  /* by island, and sorted by (a, b) in each */
+    int island_count, body_count;
+    pe_array of_body_array; /* (slot_count) 1 + index of the body's island; 0: it is active */
+    int slot_count;
+    pe_array woken_array; /* (woken_count) slots that were woken since the step began */
+    int woken_count;
+    pe_rest_totals totals; /* of islands that do not wake */
+} pe_rest;
+
+/* Of each slot: 0 where the body is active or static. NULL: all are. */
+static inline const int *pe_resting_of(const pe_world *world)
+{
+    return world->rest->totals.islands > 0 ? world->rest->of_body_array.items : NULL;
+}
+
+/* Whether the body is at rest, by what pe_resting_of returned. */
+static inline bool pe_rests(const int *resting, int slot)
+{
+    return resting != NULL && resting[slot] != 0;
+}
+
+/* Makes room for all slots, and forgets the islands that have been woken, and that others are new. */
+pe_status pe_rest_begin(pe_world *world, pe_error *error);
+
+/* Puts the flagged islands (islands->count), of which there are some, at rest. Their velocities are zero
+ * already, and their manifolds leave world->contacts. On failure nothing has changed. */
+pe_status pe_rest_add(pe_world *world, const pe_islands *islands, const bool *flagged,
+                      pe_error *error);
+
+/* Has the island of the body, if it rests, woken by the next call of pe_rest_wake. */
+void pe_rest_mark(pe_world *world, int slot);
+
+/* The same of all islands. */
+void pe_rest_mark_all(pe_world *world);
+
+/* Wakes the marked islands: their manifolds join world->contacts, and their bodies woken_array. On
+ * failure nothing has changed. */
+pe_status pe_rest_wake(pe_world *world, pe_error *error);
+
+/* Wakes the islands that have a manifold in world->contacts. */
+pe_status pe_rest_wake_touched(pe_world *world, pe_error *error);
+
+/* Forgets a body that is destroyed, with its contacts. All islands must be woken then before the next
+ * step. */
+void pe_rest_forget(pe_world *world, int slot);
+
+/* Releases the memory. */
+void pe_rest_free(pe_rest *rest, const pe_allocator *allocator);
+
+#endif
