@@ -7,8 +7,13 @@
 
 enum { ALIGNMENT = 64 };
 
-struct pe_arena_extra {
-    struct pe_arena_extra *next;
+/* Bytes of an arena's block at least. */
+enum { LEAST_BLOCK = 1 << 16 };
+
+/* What is given out begins ALIGNMENT bytes after the block. */
+struct pe_arena_block {
+    struct pe_arena_block *before;
+    size_t capacity; /* bytes */
 };
 
 pe_status(pe_fail)(pe_error *error, pe_status status, const char *format, ...)
@@ -83,6 +88,22 @@ void pe_array_free(pe_array *array, const pe_allocator *allocator)
     *array = (pe_array){0};
 }
 
+/* A block for at least `size` bytes: the spare one, if it is large enough. NULL when out of memory. */
+static struct pe_arena_block *take_block(pe_arena *arena, const pe_allocator *allocator, size_t size)
+{
+    struct pe_arena_block *block = arena->spare;
+    if (block != NULL && block->capacity >= size) {
+        arena->spare = NULL;
+        return block;
+    }
+    size = size < LEAST_BLOCK ? LEAST_BLOCK : size;
+    block = allocator->allocate(allocator->context, ALIGNMENT + size);
+    if (block != NULL) {
+        block->capacity = size;
+    }
+    return block;
+}
+
 void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count, size_t stride)
 {
     if (count > SIZE_MAX / 2 / stride) {
@@ -90,60 +111,68 @@ void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count
         return NULL;
     }
     size_t size = round_up(count * stride);
+    if (arena->last == NULL || size > arena->last->capacity - arena->used) {
+        struct pe_arena_block *block = take_block(arena, allocator, size);
+        if (block == NULL) {
+            arena->failed = true;
+            return NULL;
+        }
+        block->before = arena->last;
+        arena->last = block;
+        arena->used = 0;
+    }
     arena->wanted += size;
     arena->most = arena->most > arena->wanted ? arena->most : arena->wanted;
-    if (size <= arena->capacity - arena->used) {
-        char *taken = arena->block + arena->used;
-        arena->used += size;
-        return taken;
-    }
-    struct pe_arena_extra *extra = allocator->allocate(allocator->context, ALIGNMENT + size);
-    if (extra == NULL) {
-        arena->failed = true;
-        return NULL;
-    }
-    extra->next = arena->extras;
-    arena->extras = extra;
-    return (char *)extra + ALIGNMENT;
+    char *taken = (char *)arena->last + ALIGNMENT + arena->used;
+    arena->used += size;
+    return taken;
 }
 
-/* Releases the extra blocks that were taken after `kept`; NULL: all. */
-static void release_extras(pe_arena *arena, const pe_allocator *allocator,
-                           const struct pe_arena_extra *kept)
+/* Leaves the last block, which stays as the spare one if it is larger than that. */
+static void leave_block(pe_arena *arena, const pe_allocator *allocator)
 {
-    while (arena->extras != kept) {
-        struct pe_arena_extra *next = arena->extras->next;
-        pe_release(allocator, arena->extras);
-        arena->extras = next;
+    struct pe_arena_block *left = arena->last;
+    arena->last = left->before;
+    if (arena->spare == NULL || arena->spare->capacity < left->capacity) {
+        pe_release(allocator, arena->spare);
+        arena->spare = left;
+    } else {
+        pe_release(allocator, left);
     }
 }
 
 pe_arena_mark pe_arena_fill(const pe_arena *arena)
 {
-    return (pe_arena_mark){arena->used, arena->wanted, arena->extras};
+    return (pe_arena_mark){arena->last, arena->used, arena->wanted};
 }
 
 void pe_arena_rewind(pe_arena *arena, const pe_allocator *allocator, pe_arena_mark mark)
 {
-    release_extras(arena, allocator, mark.extras);
+    while (arena->last != mark.last) {
+        leave_block(arena, allocator);
+    }
     arena->used = mark.used;
     arena->wanted = mark.wanted;
 }
 
 void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
 {
-    release_extras(arena, allocator, NULL);
-    if (arena->most > arena->capacity) {
-        /* A quarter more than was needed, so that slow growth does not allocate at each step.
-         * Without memory for it the old block stays, and extra blocks are needed again. */
-        size_t capacity = round_up(arena->most + arena->most / 4);
-        void *block = allocator->allocate(allocator->context, capacity);
+    if (arena->last != NULL && arena->most > arena->last->capacity) {
+        /* A quarter more than was needed, so that slow growth does not allocate at each step. Without
+         * memory for it the old blocks stay, and others are needed again. */
+        const size_t most = arena->most + arena->most / 4;
+        struct pe_arena_block *block = take_block(arena, allocator, round_up(most));
         if (block != NULL) {
-            pe_release(allocator, arena->block);
-            arena->block = block;
-            arena->capacity = capacity;
+            block->before = NULL;
+            pe_arena_free(arena, allocator);
+            arena->last = block;
         }
     }
+    while (arena->last != NULL && arena->last->before != NULL) {
+        leave_block(arena, allocator);
+    }
+    pe_release(allocator, arena->spare);
+    arena->spare = NULL;
     arena->used = 0;
     arena->wanted = 0;
     arena->most = 0;
@@ -152,8 +181,12 @@ void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
 
 void pe_arena_free(pe_arena *arena, const pe_allocator *allocator)
 {
-    release_extras(arena, allocator, NULL);
-    pe_release(allocator, arena->block);
+    while (arena->last != NULL) {
+        struct pe_arena_block *before = arena->last->before;
+        pe_release(allocator, arena->last);
+        arena->last = before;
+    }
+    pe_release(allocator, arena->spare);
     *arena = (pe_arena){0};
 }
 

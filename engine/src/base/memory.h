@@ -38,15 +38,13 @@ pe_status pe_array_reserve(pe_array *array, const pe_allocator *allocator, size_
 /* Releases the items; the array is empty then. */
 void pe_array_free(pe_array *array, const pe_allocator *allocator);
 
-/* One block from which a step takes memory, all of which is given back at once. Requests that do
- * not fit get extra blocks, which the next reset merges into one of the size that was needed. */
+/* Blocks from which a step takes memory, all of which is given back at once. When the last block is full
+ * another one is taken, and the next reset makes one of them all. */
 typedef struct pe_arena {
-    char *block;
-    size_t capacity, used; /* bytes of the block */
-    size_t wanted, most;   /* bytes: in use now, extra blocks included, and at most since the last
-                              reset */
-    struct pe_arena_extra *extras;
-    bool failed; /* a request since the last reset was refused */
+    struct pe_arena_block *last, *spare; /* in use, with those before it; the one that was left last */
+    size_t used;                         /* bytes of the last block */
+    size_t wanted, most; /* bytes: in use now, and at most since the last reset */
+    bool failed;         /* a request since the last reset was refused */
 } pe_arena;
 
 /* `count` items of `stride` bytes, aligned to 64 bytes, uninitialised; NULL when out of memory. */
@@ -54,8 +52,8 @@ void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count
 
 /* The state of an arena that pe_arena_rewind goes back to. */
 typedef struct pe_arena_mark {
+    const struct pe_arena_block *last;
     size_t used, wanted;
-    const struct pe_arena_extra *extras;
 } pe_arena_mark;
 
 /* The state now. */
