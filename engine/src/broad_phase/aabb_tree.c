@@ -401,59 +401,96 @@ pe_status pe_tree_update(pe_tree *tree, pe_workspace work, pe_error *error)
 /* ---- Pairs ---- */
 
 /* Nodes whose leaves are still to be tested against each other. */
-typedef struct node_pair {
-    const pe_tree_node *p, *q;
-} node_pair;
-
 typedef struct node_pairs {
-    node_pair open[MAX_NODE_PAIRS];
+    pe_node_pair *open; /* room for the three that one makes at most */
     int count;
 } node_pairs;
 
-static void push_overlapping(node_pairs *m, const pe_tree_node *p, const pe_tree_node *q)
+/* A query is for the pairs of leaves of two trees, or of one. */
+typedef struct query {
+    const pe_tree_node *in_a, *in_b;
+    bool same;
+} query;
+
+static query make_query(const pe_tree *a, const pe_tree *b)
 {
-    if ((p->marked || q->marked) && pe_aabb_overlaps(&p->box, &q->box)) {
-        m->open[m->count++] = (node_pair){p, q};
+    return (query){nodes_of(a), nodes_of(b), a == b};
+}
+
+static void push_overlapping(const query *y, node_pairs *m, int p, int q)
+{
+    const pe_tree_node *a = &y->in_a[p], *b = &y->in_b[q];
+    if ((a->marked || b->marked) && pe_aabb_overlaps(&a->box, &b->box)) {
+        m->open[m->count++] = (pe_node_pair){p, q};
     }
 }
 
-static void push_children(node_pairs *m, const pe_tree_node *nodes, const pe_tree_node *node)
+static bool are_leaves(const query *y, pe_node_pair now)
 {
-    if (node->marked && !is_leaf(node)) {
-        const pe_tree_node *p = &nodes[node->child[0]], *q = &nodes[node->child[1]];
-        m->open[m->count++] = (node_pair){q, q};
-        m->open[m->count++] = (node_pair){p, p};
-        push_overlapping(m, p, q);
-    }
+    return !(y->same && now.p == now.q) && is_leaf(&y->in_a[now.p]) && is_leaf(&y->in_b[now.q]);
 }
 
-pe_status pe_tree_query_pairs(const pe_tree *a, const pe_tree *b, pe_pair_list *pairs,
-                              pe_error *error)
+/* Appends the pairs of nodes below a pair that is not of leaves. */
+static void open_pair(const query *y, node_pairs *m, pe_node_pair now)
 {
-    pe_status status = PE_OK;
-    if (a->root == NONE || b->root == NONE) {
-        return status;
-    }
-    const pe_tree_node *in_a = nodes_of(a), *in_b = nodes_of(b);
-    node_pairs m = {.count = 0};
-    if (a == b) {
-        m.open[m.count++] = (node_pair){&in_a[a->root], &in_a[a->root]};
+    const pe_tree_node *p = &y->in_a[now.p], *q = &y->in_b[now.q];
+    if (y->same && now.p == now.q) {
+        if (p->marked && !is_leaf(p)) {
+            m->open[m->count++] = (pe_node_pair){p->child[1], p->child[1]};
+            m->open[m->count++] = (pe_node_pair){p->child[0], p->child[0]};
+            push_overlapping(y, m, p->child[0], p->child[1]);
+        }
+    } else if (p->height >= q->height) { /* a leaf has the height 0 */
+        push_overlapping(y, m, p->child[1], now.q);
+        push_overlapping(y, m, p->child[0], now.q);
     } else {
-        push_overlapping(&m, &in_a[a->root], &in_b[b->root]);
+        push_overlapping(y, m, now.p, q->child[1]);
+        push_overlapping(y, m, now.p, q->child[0]);
     }
+}
+
+int pe_tree_query_starts(const pe_tree *a, const pe_tree *b, pe_node_pair *starts)
+{
+    if (a->root == NONE || b->root == NONE) {
+        return 0;
+    }
+    const query y = make_query(a, b);
+    node_pairs m = {starts, 0};
+    if (y.same) {
+        m.open[m.count++] = (pe_node_pair){a->root, a->root};
+    } else {
+        push_overlapping(&y, &m, a->root, b->root);
+    }
+    for (int pass = 0; pass < MAX_HEIGHT && 3 * m.count <= PE_MOST_STARTS; ++pass) {
+        pe_node_pair old[PE_MOST_STARTS];
+        const int count = m.count;
+        memcpy(old, starts, (size_t)count * sizeof *old);
+        m.count = 0;
+        for (int i = 0; i < count; ++i) {
+            if (are_leaves(&y, old[i])) {
+                m.open[m.count++] = old[i];
+            } else {
+                open_pair(&y, &m, old[i]);
+            }
+        }
+    }
+    return m.count;
+}
+
+pe_status pe_tree_query_from(const pe_tree *a, const pe_tree *b, pe_node_pair start,
+                             pe_pair_list *pairs, pe_error *error)
+{
+    const query y = make_query(a, b);
+    pe_node_pair open[MAX_NODE_PAIRS];
+    node_pairs m = {open, 0};
+    pe_status status = PE_OK;
+    m.open[m.count++] = start;
     while (m.count > 0 && status == PE_OK) {
-        node_pair now = m.open[--m.count];
-        const pe_tree_node *p = now.p, *q = now.q;
-        if (p == q) {
-            push_children(&m, in_a, p);
-        } else if (is_leaf(p) && is_leaf(q)) {
-            status = pe_pair_list_add(pairs, p->child[1], q->child[1], error);
-        } else if (p->height >= q->height) { /* a leaf has the height 0 */
-            push_overlapping(&m, &in_a[p->child[1]], q);
-            push_overlapping(&m, &in_a[p->child[0]], q);
+        const pe_node_pair now = m.open[--m.count];
+        if (are_leaves(&y, now)) {
+            status = pe_pair_list_add(pairs, y.in_a[now.p].child[1], y.in_b[now.q].child[1], error);
         } else {
-            push_overlapping(&m, p, &in_b[q->child[1]]);
-            push_overlapping(&m, p, &in_b[q->child[0]]);
+            open_pair(&y, &m, now);
         }
     }
     return status;

@@ -95,10 +95,21 @@ static inline const pe_aabb *pe_tree_box(const pe_tree *tree, int item)
 /* Rebuilds what changes have marked. On PE_NO_MEMORY the tree is as it was, still to be updated. */
 pe_status pe_tree_update(pe_tree *tree, pe_workspace work, pe_error *error);
 
-/* Appends all pairs of items, one of each tree, whose boxes overlap and of which one has a marked
- * leaf. The trees may be the same. Each pair comes once. The trees must be updated. */
-pe_status pe_tree_query_pairs(const pe_tree *a, const pe_tree *b, pe_pair_list *pairs,
-                              pe_error *error);
+/* Two nodes, one of each tree, below which pairs are looked for. */
+typedef struct pe_node_pair {
+    int p, q;
+} pe_node_pair;
+
+enum { PE_MOST_STARTS = 256 };
+
+/* Divides a query: fills starts (PE_MOST_STARTS) with nodes below which all pairs are, and returns how
+ * many there are. The trees may be the same, and must be updated. */
+int pe_tree_query_starts(const pe_tree *a, const pe_tree *b, pe_node_pair *starts);
+
+/* Appends all pairs of items below the start, one of each tree, whose boxes overlap and of which one has
+ * a marked leaf. Each pair comes once, from one of the starts. */
+pe_status pe_tree_query_from(const pe_tree *a, const pe_tree *b, pe_node_pair start,
+                             pe_pair_list *pairs, pe_error *error);
 
 /* Clears the marks of all leaves. The tree must be updated. */
 void pe_tree_unmark(pe_tree *tree);

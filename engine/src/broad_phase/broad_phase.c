@@ -16,6 +16,7 @@
 
 #include "model/rest.h"
 #include "model/shape.h"
+#include "model/view.h"
 
 #include <string.h>
 
@@ -221,8 +222,11 @@ static bool is_within_tight(const pe_proxy *proxy, const pe_pose *pose, const pe
     return margin > 0 && 4 * moved2 <= margin * margin;
 }
 
-/* Recomputes the AABBs that the body has left. */
-static void update_boxes(pe_world *world, int slot, double dt, double slack)
+/* Which of the AABBs of a body are new. */
+typedef enum left_boxes { NEITHER, TIGHT_ONLY, BOTH } left_boxes;
+
+/* Computes the tight AABB again of a body that has left it. */
+static left_boxes update_tight(const pe_world *world, int slot, double dt, double slack)
 {
     pe_broad *broad = world->broad;
     pe_proxy *proxy = &proxies_of(broad)[slot];
@@ -234,35 +238,72 @@ static void update_boxes(pe_world *world, int slot, double dt, double slack)
     double more = TIGHT * proxy->radius;
     pe_aabb needed = body_aabb(world, slot, margin);
     if (proxy->margin >= 0 && pe_aabb_contains(&proxy->tight, &needed)) {
-        return;
+        return NEITHER;
     }
     proxy->margin = margin + more;
     proxy->tight = enlarged(&needed, more, pe_v3(0, 0, 0));
     proxy->position = pose->position;
     proxy->orientation = pose->orientation;
-    broad->tight_changed = true;
-    pe_tree *tree = tree_of(broad, proxy);
-    if (!pe_aabb_contains(pe_tree_box(tree, slot), &proxy->tight)) {
-        pe_vec3 ahead = pe_scale(AHEAD * dt, twist->velocity);
-        pe_aabb fat = enlarged(&proxy->tight, FAT * proxy->radius, ahead);
-        bool has_nan = !pe_aabb_contains(&fat, &fat); /* such a box overlaps none */
-        pe_tree_move(tree, slot, has_nan ? &(pe_aabb){{0}, {0}} : &fat);
-        mark_moved(broad, slot);
+    return pe_aabb_contains(pe_tree_box(tree_of(broad, proxy), slot), &proxy->tight) ? TIGHT_ONLY
+                                                                                     : BOTH;
+}
+
+static void move_leaf(pe_world *world, int slot, double dt)
+{
+    pe_broad *broad = world->broad;
+    const pe_proxy *proxy = &proxies_of(broad)[slot];
+    pe_vec3 ahead = pe_scale(AHEAD * dt, pe_twists(world)[slot].velocity);
+    pe_aabb fat = enlarged(&proxy->tight, FAT * proxy->radius, ahead);
+    bool has_nan = !pe_aabb_contains(&fat, &fat); /* such a box overlaps none */
+    pe_tree_move(tree_of(broad, proxy), slot, has_nan ? &(pe_aabb){{0}, {0}} : &fat);
+    mark_moved(broad, slot);
+}
+
+/* The AABBs of all bodies. */
+typedef struct boxes {
+    const pe_world *world;
+    double dt, slack;
+    uint8_t *left; /* (slots) left_boxes */
+} boxes;
+
+static void update_tight_boxes(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const boxes *b = context;
+    const pe_world *world = b->world;
+    const pe_proxy *proxies = proxies_of(world->broad);
+    const int *resting = pe_resting_of(world);
+    for (int slot = begin; slot < end; ++slot) {
+        b->left[slot] = NEITHER;
+        if (!pe_rests(resting, slot) && proxies[slot].bounded &&
+            !is_within_tight(&proxies[slot], &pe_poses(world)[slot], &pe_twists(world)[slot], b->dt,
+                             b->slack)) {
+            b->left[slot] = (uint8_t)update_tight(world, slot, b->dt, b->slack);
+        }
     }
 }
 
-static void update_all_boxes(pe_world *world, double dt)
+/* Recomputes the AABBs that bodies have left. */
+static pe_status update_all_boxes(pe_world *world, double dt, pe_error *error)
 {
-    const pe_proxy *proxies = proxies_of(world->broad);
-    double slack = pe_margin_slack(world, dt);
-    const int *resting = pe_resting_of(world);
+    boxes b = {.world = world,
+               .dt = dt,
+               .slack = pe_margin_slack(world, dt),
+               .left = pe_scratch(world, (size_t)world->slot_count, sizeof *b.left)};
+    if (b.left == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for the boxes of %d bodies",
+                       world->slot_count);
+    }
+    pe_pool_run(world->pool, world->slot_count, PE_BODY_GRAIN, update_tight_boxes, &b);
     for (int slot = 1; slot < world->slot_count; ++slot) {
-        if (!pe_rests(resting, slot) && proxies[slot].bounded &&
-            !is_within_tight(&proxies[slot], &pe_poses(world)[slot], &pe_twists(world)[slot], dt,
-                             slack)) {
-            update_boxes(world, slot, dt, slack);
+        if (b.left[slot] != NEITHER) {
+            world->broad->tight_changed = true;
+            if (b.left[slot] == BOTH) {
+                move_leaf(world, slot, dt);
+            }
         }
     }
+    return PE_OK;
 }
 
 /* ---- Pairs ---- */
@@ -298,6 +339,52 @@ static pe_status pair_with_planes(const pe_world *world, pe_pair_list *pairs, pe
     return status;
 }
 
+/* The pairs of dynamic bodies with those of a tree. Each thread lists those that it finds. */
+typedef struct query_pass {
+    pe_world *world;
+    const pe_tree *with;
+    pe_node_pair starts[PE_MOST_STARTS];
+    pe_pair_list *found; /* (threads) */
+    pe_status *statuses; /* (threads) */
+} query_pass;
+
+static void query_from(void *context, int worker, int begin, int end)
+{
+    const query_pass *q = context;
+    for (int i = begin; i < end && q->statuses[worker] == PE_OK; ++i) {
+        q->statuses[worker] = pe_tree_query_from(&q->world->broad->dynamics, q->with, q->starts[i],
+                                                 &q->found[worker], NULL);
+    }
+}
+
+/* Appends the pairs found, in any order. */
+static pe_status query(pe_world *world, const pe_tree *with, pe_pair_list *pairs, pe_error *error)
+{
+    const size_t threads = (size_t)pe_pool_threads(world->pool);
+    query_pass q = {.world = world,
+                    .with = with,
+                    .found = pe_scratch(world, threads, sizeof *q.found),
+                    .statuses = pe_scratch_zero(world, threads, sizeof *q.statuses)};
+    pe_status status = q.found == NULL || q.statuses == NULL ? PE_NO_MEMORY : PE_OK;
+    for (size_t i = 0; i < threads && status == PE_OK; ++i) {
+        q.found[i] = (pe_pair_list){.work = pe_step_memory(pe_view_of(world, (int)i))};
+    }
+    if (status == PE_OK) {
+        const int starts = pe_tree_query_starts(&world->broad->dynamics, with, q.starts);
+        pe_pool_run(world->pool, starts, 1, query_from, &q);
+    }
+    for (size_t i = 0; i < threads && status == PE_OK; ++i) {
+        status = q.statuses[i];
+        for (int k = 0; k < q.found[i].count && status == PE_OK; ++k) {
+            const pe_pair pair = q.found[i].items[k];
+            status = pe_pair_list_add(pairs, pair.a, pair.b, NULL);
+        }
+    }
+    return status == PE_OK
+               ? PE_OK
+               : pe_fail(error, status, "no memory for pairs of %d bodies", world->slot_count);
+}
+
 /* All pairs of fat AABBs with a moved one, sorted. */
 static pe_status find_moved_pairs(pe_world *world, pe_pair_list *pairs, pe_error *error)
 {
@@ -305,9 +392,11 @@ static pe_status find_moved_pairs(pe_world *world, pe_pair_list *pairs, pe_error
     *pairs = (pe_pair_list){.work = pe_step_memory(world)};
     pe_status status = pe_tree_update(&broad->dynamics, pairs->work, error);
     status = status ? status : pe_tree_update(&broad->statics, pairs->work, error);
-    status =
-        status ? status : pe_tree_query_pairs(&broad->dynamics, &broad->dynamics, pairs, error);
-    status = status ? status : pe_tree_query_pairs(&broad->dynamics, &broad->statics, pairs, error);
+    if (status == PE_OK) {
+        pe_views_open(world);
+        status = query(world, &broad->dynamics, pairs, error);
+    }
+    status = status ? status : query(world, &broad->statics, pairs, error);
     status = status ? status : pair_with_planes(world, pairs, error);
     return status ? status : pe_pair_list_sort(pairs, world->slot_count, error);
 }
@@ -379,6 +468,29 @@ static bool overlap_tightly(const pe_world *world, pe_pair pair)
                          : pe_aabb_overlaps(&a->tight, &b->tight);
 }
 
+enum { PAIR_GRAIN = 1024 };
+
+/* The pairs of tight AABBs among those of fat ones. */
+typedef struct tight_pairs {
+    const pe_world *world;
+    int *counts; /* found by each piece, which lists them where its fat pairs begin */
+} tight_pairs;
+
+static void find_tight_pairs(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const tight_pairs *t = context;
+    const pe_pair *fat = t->world->broad->fat_array.items;
+    pe_pair *tight = (pe_pair *)t->world->broad->tight_array.items + begin;
+    int count = 0;
+    for (int i = begin; i < end; ++i) {
+        if (overlap_tightly(t->world, fat[i])) {
+            tight[count++] = fat[i];
+        }
+    }
+    t->counts[begin / PAIR_GRAIN] = count;
+}
+
 static pe_status update_tight_pairs(pe_world *world, pe_error *error)
 {
     pe_broad *broad = world->broad;
@@ -387,15 +499,19 @@ static pe_status update_tight_pairs(pe_world *world, pe_error *error)
     if (status != PE_OK) {
         return status;
     }
-    const pe_pair *fat = broad->fat_array.items;
-    pe_pair *tight = broad->tight_array.items;
-    int count = 0;
-    for (int i = 0; i < broad->fat_count; ++i) {
-        if (overlap_tightly(world, fat[i])) {
-            tight[count++] = fat[i];
-        }
+    const int pieces = pe_piece_count(broad->fat_count, PAIR_GRAIN);
+    tight_pairs t = {world, pe_scratch(world, (size_t)pieces + 1, sizeof *t.counts)};
+    if (t.counts == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", broad->fat_count);
     }
-    broad->tight_count = count;
+    pe_pool_run(world->pool, broad->fat_count, PAIR_GRAIN, find_tight_pairs, &t);
+    pe_pair *tight = broad->tight_array.items;
+    broad->tight_count = 0;
+    for (int i = 0; i < pieces; ++i) {
+        memmove(tight + broad->tight_count, tight + i * PAIR_GRAIN,
+                (size_t)t.counts[i] * sizeof *tight);
+        broad->tight_count += t.counts[i];
+    }
     broad->tight_changed = false;
     return PE_OK;
 }
@@ -410,8 +526,8 @@ static pe_status update_pairs(pe_world *world, double dt, pe_error *error)
     if (status != PE_OK) {
         return status;
     }
-    update_all_boxes(world, dt);
-    if (broad->moved_count > 0) {
+    status = update_all_boxes(world, dt, error);
+    if (status == PE_OK && broad->moved_count > 0) {
         status = update_fat_pairs(world, error);
     }
     return status == PE_OK && broad->tight_changed ? update_tight_pairs(world, error) : status;

@@ -180,10 +180,22 @@ pe_free_motion pe_predict_body(const pe_world *world, int slot, bool flies, doub
     return free;
 }
 
-void pe_predict_motion(const pe_world *world, const int *place, double dt, pe_free_motion *motions)
+/* What pe_predict_motion was given. */
+typedef struct prediction {
+    const pe_world *world;
+    const int *place;
+    double dt;
+    pe_free_motion *motions;
+} prediction;
+
+static void predict_bodies(void *context, int worker, int begin, int end)
 {
+    (void)worker;
+    const prediction *p = context;
+    const pe_world *world = p->world;
+    pe_free_motion *motions = p->motions;
     const int *resting = pe_resting_of(world);
-    for (int slot = 0; slot < world->slot_count; ++slot) {
+    for (int slot = begin; slot < end; ++slot) {
         if (pe_rests(resting, slot)) {
             continue;
         }
@@ -191,9 +203,15 @@ void pe_predict_motion(const pe_world *world, const int *place, double dt, pe_fr
         if (pe_masses(world)[slot].inverse_mass == 0) {
             motions[slot] = (pe_free_motion){.end = *twist, .mean = *twist};
         } else {
-            motions[slot] = pe_predict_body(world, slot, place[slot] < 0, dt);
+            motions[slot] = pe_predict_body(world, slot, p->place[slot] < 0, p->dt);
         }
     }
+}
+
+void pe_predict_motion(const pe_world *world, const int *place, double dt, pe_free_motion *motions)
+{
+    prediction p = {world, place, dt, motions};
+    pe_pool_run(world->pool, world->slot_count, PE_BODY_GRAIN, predict_bodies, &p);
 }
 
 void pe_pose_move(pe_pose *pose, pe_vec3 displacement, pe_vec3 rotation)

@@ -128,6 +128,9 @@ typedef struct pe_contacts {
     int manifold_count, point_count;
 } pe_contacts;
 
+/* Bodies of a piece, in loops over all bodies on the threads of the world (pe_pool_run). */
+enum { PE_BODY_GRAIN = 512 };
+
 /* Bodies, geometries and materials, and what the phases keep from step to step. */
 struct pe_world {
     pe_world_def def;

@@ -351,14 +351,44 @@ static void guard_group(const group *g, bool *put_back, pe_energy_report *report
     }
 }
 
+/* All groups, on the threads of the world. */
+typedef struct guarding {
+    const pe_step *step;
+    const pe_islands *groups;
+    const double *lifts;
+    bool *put_back;
+    pe_energy_report *reports; /* of the pieces */
+} guarding;
+
+static void guard_groups(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const guarding *g = context;
+    pe_energy_report *report = &g->reports[begin / PE_ISLAND_GRAIN];
+    *report = (pe_energy_report){0};
+    for (int k = begin; k < end; ++k) {
+        const int *slots = g->groups->bodies + g->groups->body_start[k];
+        const int count = g->groups->body_start[k + 1] - g->groups->body_start[k];
+        guard_group(&(group){g->step, g->lifts, slots, count}, g->put_back, report);
+    }
+}
+
 void pe_energy_guard(const pe_step *step, const pe_islands *groups, bool *put_back,
                      pe_energy_report *report)
 {
     *report = (pe_energy_report){0};
     const double *lifts = step->stats.islands_by_path[PE_PATH_SOFT] > 0 ? find_lifts(step) : NULL;
-    for (int k = 0; k < groups->count; ++k) {
-        const int begin = groups->body_start[k], end = groups->body_start[k + 1];
-        guard_group(&(group){step, lifts, groups->bodies + begin, end - begin}, put_back, report);
+    const int pieces = pe_piece_count(groups->count, PE_ISLAND_GRAIN);
+    pe_energy_report *reports = pe_scratch(step->world, (size_t)pieces + 1, sizeof *reports);
+    if (reports == NULL) {
+        return; /* the caller looks whether there was no memory */
+    }
+    guarding g = {step, groups, lifts, put_back, reports};
+    pe_pool_run(step->world->pool, groups->count, PE_ISLAND_GRAIN, guard_groups, &g);
+    for (int i = 0; i < pieces; ++i) {
+        report->islands += reports[i].islands;
+        report->removed += reports[i].removed;
+        report->put_back += reports[i].put_back;
     }
     for (int slot = 1; slot < step->world->slot_count; ++slot) {
         if (is_corrected(step, slot) && groups->place[slot] < 0) {

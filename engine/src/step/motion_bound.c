@@ -3,6 +3,8 @@
 #include "model/rest.h"
 #include "step.h"
 
+#include <stdatomic.h>
+
 /* In units of the least half extent: how far a body may move in a step beyond what its velocities
  * explain. */
 static const double UNEXPLAINED = 0.5;
@@ -71,14 +73,21 @@ static void slow_down(const pe_step *step, int k, double part)
     }
 }
 
-void pe_bound_energy(const pe_step *step)
+static void bound_islands(void *context, int worker, int begin, int end)
 {
-    for (int k = 0; k < step->islands.count; ++k) {
+    (void)worker;
+    const pe_step *step = context;
+    for (int k = begin; k < end; ++k) {
         double part = part_of_island(step, k);
         if (part < 1) {
             slow_down(step, k, part);
         }
     }
+}
+
+void pe_bound_energy(pe_step *step)
+{
+    pe_pool_run(step->world->pool, step->islands.count, PE_ISLAND_GRAIN, bound_islands, step);
 }
 
 /* ---- Finite numbers ---- */
@@ -103,24 +112,55 @@ static const char *fault_of(const pe_pose *pose, const pe_twist *twist, pe_vec3 
     return fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < 1e-3 ? NULL : "orientation";
 }
 
-pe_status pe_check_motion(const pe_step *step)
+/* The first body from `begin` to `end` with such a state; `end`: none. */
+static int find_fault(const pe_step *step, int begin, int end, const char **what, pe_vec3 *found)
 {
     const pe_body *bodies = pe_bodies(step->world);
     const int *resting = pe_resting_of(step->world);
-    for (int slot = 1; slot < step->world->slot_count; ++slot) {
-        if (pe_rests(resting, slot)) {
-            continue;
+    int slot = begin;
+    for (*what = NULL; slot < end; ++slot) {
+        if (!pe_rests(resting, slot) && bodies[slot].alive) {
+            *what = fault_of(&pe_poses(step->world)[slot], &pe_twists(step->world)[slot], found);
+            if (*what != NULL) {
+                break;
+            }
         }
+    }
+    return slot;
+}
+
+/* The check of all bodies. */
+typedef struct check {
+    const pe_step *step;
+    atomic_bool failed;
+} check;
+
+static void check_bodies(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    check *c = context;
+    const char *what;
+    pe_vec3 found;
+    if (find_fault(c->step, begin, end, &what, &found) < end) {
+        atomic_store_explicit(&c->failed, true, memory_order_relaxed);
+    }
+}
+
+pe_status pe_check_motion(const pe_step *step)
+{
+    const pe_world *world = step->world;
+    check c = {.step = step};
+    pe_pool_run(world->pool, world->slot_count, PE_BODY_GRAIN, check_bodies, &c);
+    if (c.failed) {
+        const char *what;
         pe_vec3 found;
-        const char *what = bodies[slot].alive ? fault_of(&pe_poses(step->world)[slot],
-                                                         &pe_twists(step->world)[slot], &found)
-                                              : NULL;
+        const int slot = find_fault(step, 1, world->slot_count, &what, &found);
         if (what != NULL) {
             return pe_fail(step->error, PE_NOT_FINITE,
                            "body (%d, %u): expected a finite %s within 1e15 m, 1e30 m/s or "
                            "1e30 rad/s after a step of %g s, found (%g, %g, %g)",
-                           slot, bodies[slot].generation, what, step->dt, found.x, found.y,
-                           found.z);
+                           slot, pe_bodies(world)[slot].generation, what, step->dt, found.x,
+                           found.y, found.z);
         }
     }
     return PE_OK;
@@ -225,18 +265,33 @@ static bool bound_body(const pe_step *step, int slot)
     return bound_rotation(step, slot) || bounded;
 }
 
-bool pe_bound_motion(const pe_step *step, bool *put_back)
+/* The bound on all bodies. */
+typedef struct bounding {
+    const pe_step *step;
+    bool *put_back;
+    atomic_bool any;
+} bounding;
+
+static void bound_bodies(void *context, int worker, int begin, int end)
 {
-    bool any = false;
-    for (int slot = 1; slot < step->world->slot_count; ++slot) {
+    (void)worker;
+    bounding *b = context;
+    const pe_step *step = b->step;
+    for (int slot = begin; slot < end; ++slot) {
         if (step->islands.place[slot] < 0 && !step->corrected[slot]) {
             continue;
         }
         const pe_body *body = &pe_bodies(step->world)[slot];
-        bool pushed = step->islands.place[slot] >= 0 || step->corrected[slot];
-        if (body->alive && !body->is_static && pushed && bound_body(step, slot)) {
-            put_back[slot] = any = true;
+        if (body->alive && !body->is_static && bound_body(step, slot)) {
+            b->put_back[slot] = true;
+            atomic_store_explicit(&b->any, true, memory_order_relaxed);
         }
     }
-    return any;
+}
+
+bool pe_bound_motion(const pe_step *step, bool *put_back)
+{
+    bounding b = {.step = step, .put_back = put_back};
+    pe_pool_run(step->world->pool, step->world->slot_count, PE_BODY_GRAIN, bound_bodies, &b);
+    return b.any;
 }

@@ -9,6 +9,9 @@
 #include "problem/problem_build.h"
 #include "solver/solve_island.h"
 
+/* Islands of a piece, in loops over islands on the threads of the world. */
+enum { PE_ISLAND_GRAIN = 64 };
+
 /* The context of a step. */
 typedef struct pe_step {
     pe_world *world;
@@ -262,7 +265,7 @@ void pe_energy_guard(const pe_step *step, const pe_islands *groups, bool *put_ba
 /* Where the contact problem of an island was solved so badly that its kinetic energy is over four
  * times what it was before the step and is without contacts, together: takes the bodies back to the
  * step's start, scales the new velocities to that energy, and moves the bodies by these. */
-void pe_bound_energy(const pe_step *step);
+void pe_bound_energy(pe_step *step);
 
 /* PE_NOT_FINITE, with the body and the number, unless all states are finite and within what
  * collision can take: 1e15 m, 1e30 m/s and rad/s. */

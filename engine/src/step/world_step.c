@@ -42,6 +42,20 @@ static pe_contact_rules rules_of(pe_profile profile)
     return rules;
 }
 
+/* Saves poses and velocities; bodies at rest are where they were at the start of the last step. */
+static void save_bodies(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const pe_step *step = context;
+    const int *resting = pe_resting_of(step->world);
+    for (int slot = begin; slot < end; ++slot) {
+        if (!pe_rests(resting, slot)) {
+            step->poses[slot] = pe_poses(step->world)[slot];
+            step->twists[slot] = pe_twists(step->world)[slot];
+        }
+    }
+}
+
 /* Takes the step's memory and saves all poses and velocities, so that a step that runs out of
  * memory has moved nothing. */
 static pe_status begin_step(pe_step *step)
@@ -63,13 +77,7 @@ static pe_status begin_step(pe_step *step)
     }
     step->poses = world->start_pose_array.items;
     memset(step->moves, true, slots * sizeof *step->moves);
-    const int *resting = pe_resting_of(world);
-    for (size_t slot = 0; slot < slots; ++slot) {
-        if (!pe_rests(resting, (int)slot)) { /* those at rest are where they were */
-            step->poses[slot] = pe_poses(world)[slot];
-            step->twists[slot] = pe_twists(world)[slot];
-        }
-    }
+    pe_pool_run(world->pool, world->slot_count, PE_BODY_GRAIN, save_bodies, step);
     return PE_OK;
 }
 
@@ -138,6 +146,21 @@ static pe_status find_islands(pe_step *step)
 
 /* ---- Velocities and poses ---- */
 
+/* Moves the bodies that touch nothing. */
+static void integrate_bodies(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const pe_step *step = context;
+    const pe_body *bodies = pe_bodies(step->world);
+    const int *resting = pe_resting_of(step->world);
+    for (int slot = begin; slot < end; ++slot) {
+        if (step->islands.place[slot] < 0 && !pe_rests(resting, slot) && bodies[slot].alive &&
+            !bodies[slot].is_static) {
+            pe_integrate_free(step->world, slot, step->free, step->dt);
+        }
+    }
+}
+
 /* Computes the velocities, and the poses that follow from them. */
 static pe_status solve_and_move(pe_step *step)
 {
@@ -149,14 +172,7 @@ static pe_status solve_and_move(pe_step *step)
         return status;
     }
     step->stats.time_solve = lap(&mark);
-    const pe_body *bodies = pe_bodies(world);
-    const int *resting = pe_resting_of(world);
-    for (int slot = 1; slot < world->slot_count; ++slot) {
-        if (step->islands.place[slot] < 0 && !pe_rests(resting, slot) && bodies[slot].alive &&
-            !bodies[slot].is_static) {
-            pe_integrate_free(world, slot, step->free, step->dt);
-        }
-    }
+    pe_pool_run(world->pool, world->slot_count, PE_BODY_GRAIN, integrate_bodies, step);
     pe_bound_energy(step);
     step->stats.time_integrate = lap(&mark);
     return pe_check_motion(step);
