@@ -1,5 +1,7 @@
 /* Runs short versions of the catalogue on our engine and prints a hash of the bits of all poses of
- * all frames, a line a scenario. */
+ * all frames, a line a scenario.
+ *
+ *   determinism_driver [THREADS]      with a number of threads, more and larger scenes */
 #include "adapters/built_in.h"
 #include "plumb/scenario.h"
 
@@ -17,9 +19,48 @@ static uint64_t hashed(uint64_t hash, const void *bytes, size_t size)
     return hash;
 }
 
-static int run(const char *name, int profile, const char *const *settings, int setting_count,
-               int steps)
+/* A scene, and how long it runs. */
+typedef struct sample {
+    const char *name;
+    const char *settings; /* NULL: the defaults */
+    int steps;
+} sample;
+
+static const sample samples[] = {
+    {"tower", "n=5,offset=0.05", 60}, {"slope-stick", NULL, 60},
+    {"slope-slide", NULL, 60},        {"wall", "rows=4,columns=4", 20},
+    {"pile", "n=30,shape=4", 60},     {"wall-collapse", "rows=6,columns=8", 40},
+    {"roll-slope", "shape=2", 40},    {"linked-rings", NULL, 20},
+};
+
+/* Of so many bodies and contacts that the loops of a step are divided into pieces. */
+static const sample large_samples[] = {
+    {"blocks", "n=700,mesh=0", 6},
+    {"multi-tower", "k=6,n=5", 12},
+    {"pile", "n=600,gap=0.01", 25},
+    {"pile", "n=200,shape=4", 25},
+    {"wall", "rows=12,columns=16", 4},
+    {"wall-collapse", "rows=20,columns=30", 14},
+    {"container", NULL, 30},
+    {"rubble", "n=60", 20},
+    {"medley", NULL, 20},
+    {"domino-spiral", NULL, 30},
+    {"bounce-row", NULL, 40},
+    {"cradle", NULL, 40},
+    {"falling-cubes", NULL, 40},
+    {"dropped-load", NULL, 20},
+    {"rain", NULL, 30},
+    {"pyramid", NULL, 10},
+    {"sphere-pyramid", NULL, 10},
+    {"domino-into-pile", NULL, 30},
+    {"raft", NULL, 20},
+    {"overlapping-start", NULL, 15},
+};
+
+static int run(const sample *s, int profile, int threads)
 {
+    const char *name = s->name;
+    const char *const settings[] = {s->settings};
     const pl_engine *engine = pl_engine_plumb();
     double values[PL_MAX_PARAMS], options[PL_ENGINE_MAX_OPTIONS];
     pl_error error = {0};
@@ -27,7 +68,7 @@ static int run(const char *name, int profile, const char *const *settings, int s
     pl_engine_instance *instance = NULL;
     const pl_scenario *scenario = pl_scenario_find(name, &error);
     if (scenario == NULL ||
-        pl_scenario_values(scenario, settings, setting_count, values, &error) != PL_OK ||
+        pl_scenario_values(scenario, settings, s->settings != NULL, values, &error) != PL_OK ||
         pl_scenario_build(scenario, values, 7, &scene, &error) != PL_OK) {
         fprintf(stderr, "%s: %s\n", name, error.message);
         return 1;
@@ -36,6 +77,9 @@ static int run(const char *name, int profile, const char *const *settings, int s
         /* A small bound on work keeps -O0 quick; hitting it is as good a test as converging. */
         bool bound = strcmp(engine->options[i].name, "updates") == 0;
         options[i] = bound ? 3e4 : engine->options[i].value;
+        if (strcmp(engine->options[i].name, "threads") == 0) {
+            options[i] = threads;
+        }
     }
     pl_body_state *bodies = calloc((size_t)scene.body_count, sizeof *bodies);
     const pl_engine_setup setup = {.struct_size = sizeof setup,
@@ -45,7 +89,7 @@ static int run(const char *name, int profile, const char *const *settings, int s
                                    .values = options};
     pl_status status = bodies != NULL ? engine->create(&setup, &instance, &error) : PL_NO_MEMORY;
     uint64_t hash = UINT64_C(14695981039346656037);
-    for (int i = 0; i < steps && status == PL_OK; ++i) {
+    for (int i = 0; i < s->steps && status == PL_OK; ++i) {
         pl_step_stats stats = {.struct_size = sizeof stats};
         pl_frame frame = {.body_count = scene.body_count, .bodies = bodies};
         status = engine->step(instance, scene.dt, &stats, &error);
@@ -63,27 +107,24 @@ static int run(const char *name, int profile, const char *const *settings, int s
         fprintf(stderr, "%s: %s\n", name, error.message);
         return 1;
     }
-    printf("%s %s %016llx\n", engine->profiles[profile].name, name, (unsigned long long)hash);
+    printf("%s %s %s %016llx\n", engine->profiles[profile].name, name,
+           s->settings != NULL ? s->settings : "", (unsigned long long)hash);
     return 0;
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const char *const tower[] = {"n=5", "offset=0.05"};
-    const char *const wall[] = {"rows=4", "columns=4"};
-    const char *const collapse[] = {"rows=6", "columns=8"};
-    const char *const pile[] = {"n=30", "shape=4"};
-    const char *const prism[] = {"shape=2"};
+    const int threads = argc > 1 ? atoi(argv[1]) : 1;
+    const size_t count = sizeof samples / sizeof *samples;
+    const size_t large = sizeof large_samples / sizeof *large_samples;
     int failed = 0;
     for (int profile = 0; profile < pl_engine_plumb()->profile_count; ++profile) {
-        failed |= run("tower", profile, tower, 2, 60);
-        failed |= run("slope-stick", profile, NULL, 0, 60);
-        failed |= run("slope-slide", profile, NULL, 0, 60);
-        failed |= run("wall", profile, wall, 2, 20);
-        failed |= run("wall-collapse", profile, collapse, 2, 40);
-        failed |= run("pile", profile, pile, 2, 60);
-        failed |= run("roll-slope", profile, prism, 1, 40);
-        failed |= run("linked-rings", profile, NULL, 0, 20);
+        for (size_t i = 0; i < count && argc == 1; ++i) {
+            failed |= run(&samples[i], profile, threads);
+        }
+        for (size_t i = 0; i < large && argc > 1; ++i) {
+            failed |= run(&large_samples[i], profile, threads);
+        }
     }
     return failed;
 }
