@@ -8,6 +8,7 @@
  * only. */
 #define _POSIX_C_SOURCE 200809L
 
+#include "base/memory.h"
 #include "base/vec3.h"
 #include "plumb/scenario.h"
 
@@ -40,8 +41,8 @@ typedef struct meter {
 static void *meter_allocate(void *context, size_t size)
 {
     meter *m = context;
-    size_t rounded = (size + HEADER + 63) / 64 * 64;
-    char *memory = aligned_alloc(64, rounded);
+    const pe_allocator below = pe_allocator_default();
+    char *memory = below.allocate(below.context, size + HEADER);
     if (memory == NULL) {
         return NULL;
     }
@@ -58,7 +59,8 @@ static void meter_release(void *context, void *memory)
     size_t size;
     memcpy(&size, (char *)memory - HEADER, sizeof size);
     atomic_fetch_sub(&m->now, size);
-    free((char *)memory - HEADER);
+    const pe_allocator below = pe_allocator_default();
+    below.release(below.context, (char *)memory - HEADER);
 }
 
 /* ---- The scene ---- */

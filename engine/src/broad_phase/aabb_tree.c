@@ -312,25 +312,27 @@ static void fit(pe_tree_node *nodes, int node)
     n->marked = p->marked || q->marked;
 }
 
-/* Subtrees begin .. end - 1, which are still to be put under a node. */
+/* Subtrees begin .. end - 1, which are still to be put under a node; of one subtree, its root. */
 typedef struct range {
-    int begin, end, parent, side;
+    int begin, end, node;
 } range;
 
-/* The root of a subtree; a new node if it is a copy of a leaf. */
-static int node_of(pe_tree *tree, const forest *p, int i)
+/* A range with its node, of which the parent is set. The copy of a leaf gets a new node. */
+static range make_range(pe_tree *tree, const forest *p, int begin, int end, int parent)
 {
-    int node = p->item[i].node;
-    if (p->leaf != NULL) {
-        const pe_tree_node *leaf = &p->leaf[node];
-        node = take_node(tree);
+    const bool one = end - begin == 1;
+    int node = one && p->leaf == NULL ? p->item[begin].node : take_node(tree);
+    if (one && p->leaf != NULL) {
+        const pe_tree_node *leaf = &p->leaf[p->item[begin].node];
         nodes_of(tree)[node] = *leaf;
         leaves_of(tree)[leaf->child[1]] = node;
     }
-    return node;
+    nodes_of(tree)[node].parent = parent;
+    return (range){begin, end, node};
 }
 
-/* Builds nodes over all subtrees, from above. */
+/* Builds nodes over all subtrees, from above. Siblings lie next to each other, because they are looked at
+ * together. */
 static void build(pe_tree *tree, const forest *p)
 {
     pe_tree_node *nodes = nodes_of(tree);
@@ -338,23 +340,20 @@ static void build(pe_tree *tree, const forest *p)
     int open_count = 0, made_count = 0;
     tree->root = NONE;
     if (p->count > 0) {
-        open[open_count++] = (range){0, p->count, NONE, 0};
+        open[open_count] = make_range(tree, p, 0, p->count, NONE);
+        tree->root = open[open_count++].node;
     }
     while (open_count > 0) {
-        range r = open[--open_count];
-        bool one = r.end - r.begin == 1;
-        int node = one ? node_of(tree, p, r.begin) : take_node(tree);
-        nodes[node].parent = r.parent;
-        if (r.parent == NONE) {
-            tree->root = node;
-        } else {
-            nodes[r.parent].child[r.side] = node;
-        }
-        if (!one) {
-            int middle = r.begin + cut(p->item + r.begin, r.end - r.begin);
-            open[open_count++] = (range){middle, r.end, node, 1};
-            open[open_count++] = (range){r.begin, middle, node, 0};
-            p->stack[made_count++] = node;
+        const range r = open[--open_count];
+        if (r.end - r.begin > 1) {
+            const int middle = r.begin + cut(p->item + r.begin, r.end - r.begin);
+            const range first = make_range(tree, p, r.begin, middle, r.node);
+            const range second = make_range(tree, p, middle, r.end, r.node);
+            nodes[r.node].child[0] = first.node;
+            nodes[r.node].child[1] = second.node;
+            open[open_count++] = second;
+            open[open_count++] = first;
+            p->stack[made_count++] = r.node;
         }
     }
     while (made_count > 0) { /* children were made after their parents */

@@ -259,6 +259,9 @@ static void move_leaf(pe_world *world, int slot, double dt)
     mark_moved(broad, slot);
 }
 
+/* Bodies whose nodes are fetched before they are looked at: these lie anywhere in memory. */
+enum { AHEAD_OF_USE = 8 };
+
 /* The AABBs of all bodies. */
 typedef struct boxes {
     const pe_world *world;
@@ -275,6 +278,10 @@ static void update_tight_boxes(void *context, int worker, int begin, int end)
     const int *resting = pe_resting_of(world);
     for (int slot = begin; slot < end; ++slot) {
         b->left[slot] = NEITHER;
+        if (slot + AHEAD_OF_USE < end && proxies[slot + AHEAD_OF_USE].bounded) {
+            const pe_proxy *later = &proxies[slot + AHEAD_OF_USE];
+            __builtin_prefetch(pe_tree_box(tree_of(world->broad, later), slot + AHEAD_OF_USE));
+        }
         if (!pe_rests(resting, slot) && proxies[slot].bounded &&
             !is_within_tight(&proxies[slot], &pe_poses(world)[slot], &pe_twists(world)[slot], b->dt,
                              b->slack)) {

@@ -119,7 +119,9 @@ static int find_fault(const pe_step *step, int begin, int end, const char **what
     const int *resting = pe_resting_of(step->world);
     int slot = begin;
     for (*what = NULL; slot < end; ++slot) {
-        if (!pe_rests(resting, slot) && bodies[slot].alive) {
+        const bool was_checked = step->group_place != NULL && step->group_place[slot] < 0 &&
+                                 step->islands.place[slot] < 0 && !step->corrected[slot];
+        if (!was_checked && !pe_rests(resting, slot) && bodies[slot].alive) {
             *what = fault_of(&pe_poses(step->world)[slot], &pe_twists(step->world)[slot], found);
             if (*what != NULL) {
                 break;

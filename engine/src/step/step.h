@@ -38,6 +38,8 @@ typedef struct pe_step {
     bool *corrected;                  /* bodies that position correction moved */
     const pe_pose *uncorrected_poses; /* before it did; read only of bodies in `corrected` */
     const pe_twist *uncorrected_twists;
+    const int
+        *group_place; /* (slots): below 0 where the energy guard left the body alone; NULL before */
     double *way; /* (slots) m: how far correction has moved a point of the body; NULL: not yet */
     double *overlap; /* (slots) m: deepest overlap of the body before correction */
     double shallow;  /* m: the energy guard does not put back bodies that were moved farther */
@@ -268,7 +270,8 @@ void pe_energy_guard(const pe_step *step, const pe_islands *groups, bool *put_ba
 void pe_bound_energy(pe_step *step);
 
 /* PE_NOT_FINITE, with the body and the number, unless all states are finite and within what
- * collision can take: 1e15 m, 1e30 m/s and rad/s. */
+ * collision can take: 1e15 m, 1e30 m/s and rad/s. After the energy guard only what it or position
+ * correction may have changed is looked at. */
 pe_status pe_check_motion(const pe_step *step);
 
 /* Takes back what a body, or by rotation its farthest point, has moved in the step beyond

@@ -207,6 +207,7 @@ static pe_status guard_energy(pe_step *step)
         return status;
     }
     pe_energy_guard(step, &groups, put_back, &report);
+    step->group_place = groups.place;
     if (pe_scratch_failed(world)) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to step %zu bodies", slots);
     }
