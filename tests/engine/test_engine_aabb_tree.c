@@ -55,7 +55,12 @@ static void find(forest *f, char (*listed)[ITEMS])
     pe_arena_reset(&f->arena, &f->allocator);
     pe_pair_list pairs = {.work = {&f->arena, &f->allocator}};
     assert_int_equal(pe_tree_update(&f->tree, pairs.work, NULL), PE_OK);
-    assert_int_equal(pe_tree_query_pairs(&f->tree, &f->tree, &pairs, NULL), PE_OK);
+    pe_node_pair starts[PE_MOST_STARTS];
+    const int count = pe_tree_query_starts(&f->tree, &f->tree, starts);
+    assert_true(count <= PE_MOST_STARTS);
+    for (int i = 0; i < count; ++i) {
+        assert_int_equal(pe_tree_query_from(&f->tree, &f->tree, starts[i], &pairs, NULL), PE_OK);
+    }
     memset(listed, 0, ITEMS * sizeof *listed);
     for (int i = 0; i < pairs.count; ++i) {
         listed[pairs.items[i].a][pairs.items[i].b] += 1;

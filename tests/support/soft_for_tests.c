@@ -34,9 +34,7 @@ pe_soft_report soft_step(pe_world *world, double dt, const pe_soft_settings *set
     if (status != PE_OK) {
         fail_msg("engine: %s", error.message);
     }
-    for (int slot = 0; slot < world->slot_count; ++slot) {
-        pe_applied_forces(world)[slot] = (pe_applied_force){0};
-    }
+    world->applied_force_count = 0;
     world->previous_dt = dt;
     return report;
 }

@@ -313,7 +313,7 @@ typedef enum pe_frame {
 /* Adds a force, in N, that acts during the next step only, at an offset from the centre of mass, in
  * m. In the body's frame both rotate with the body during the step; in the world's they stay. It
  * has no effect on a static body. PE_BAD_ARGUMENT if the body is not alive or a number is not
- * finite. */
+ * finite; PE_NO_MEMORY. */
 pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, pe_vec3 offset,
                               pe_frame frame, pe_error *error);
 

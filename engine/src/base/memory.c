@@ -7,8 +7,8 @@
 
 enum { ALIGNMENT = 64 };
 
-/* Bytes of an arena's block at least. */
-enum { LEAST_BLOCK = 1 << 16 };
+/* A new block of an arena has at least this part of what is in use, so that there are few of them. */
+enum { GROWTH = 64 };
 
 /* What is given out begins ALIGNMENT bytes after the block. */
 struct pe_arena_block {
@@ -96,7 +96,8 @@ static struct pe_arena_block *take_block(pe_arena *arena, const pe_allocator *al
         arena->spare = NULL;
         return block;
     }
-    size = size < LEAST_BLOCK ? LEAST_BLOCK : size;
+    const size_t least = round_up(arena->wanted / GROWTH);
+    size = size < least ? least : size;
     block = allocator->allocate(allocator->context, ALIGNMENT + size);
     if (block != NULL) {
         block->capacity = size;

@@ -137,7 +137,6 @@ static pe_status reserve_slot(pe_world *world, pe_error *error)
         {&world->pose_array, sizeof(pe_pose)},
         {&world->twist_array, sizeof(pe_twist)},
         {&world->mass_array, sizeof(pe_mass)},
-        {&world->applied_force_array, sizeof(pe_applied_force)},
         {&world->record_array, sizeof(pe_record)},
     };
     size_t used = (size_t)world->slot_count;
@@ -185,7 +184,9 @@ pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *bo
     pe_twists(world)[slot] =
         def->is_static ? (pe_twist){0} : (pe_twist){def->velocity, def->angular_velocity};
     pe_masses(world)[slot] = mass_of(def, geometry);
-    pe_applied_forces(world)[slot] = (pe_applied_force){0};
+    if (slot < world->applied_force_count) {
+        ((pe_applied_force *)world->applied_force_array.items)[slot] = (pe_applied_force){0};
+    }
     pe_records(world)[slot] = (pe_record){0};
     world->bodies_changed = true;
     world->contacts_stale = true;
@@ -309,6 +310,25 @@ pe_status pe_body_get_pair(const pe_world *world, pe_body_id a, pe_body_id b, do
     return status;
 }
 
+/* Has an item for the body in the array of applied forces. */
+static pe_status make_applied_force(pe_world *world, int slot, pe_applied_force **applied,
+                                    pe_error *error)
+{
+    const size_t used = (size_t)world->applied_force_count, slots = (size_t)world->slot_count;
+    if (slot >= world->applied_force_count) {
+        pe_status status = pe_array_reserve(&world->applied_force_array, &world->allocator,
+                                            sizeof **applied, slots, used, error);
+        if (status != PE_OK) {
+            return status;
+        }
+        pe_applied_force *items = world->applied_force_array.items;
+        memset(items + used, 0, (slots - used) * sizeof *items);
+        world->applied_force_count = world->slot_count;
+    }
+    *applied = (pe_applied_force *)world->applied_force_array.items + slot;
+    return PE_OK;
+}
+
 pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, pe_vec3 offset,
                               pe_frame frame, pe_error *error)
 {
@@ -320,7 +340,10 @@ pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, p
         (status = pe_check_vector("offset", offset, PE_MOST_LENGTH, error)) != PE_OK) {
         return status;
     }
-    pe_applied_force *applied = &pe_applied_forces(world)[body.index];
+    pe_applied_force *applied;
+    if ((status = make_applied_force(world, (int)body.index, &applied, error)) != PE_OK) {
+        return status;
+    }
     world->has_applied_forces = true;
     if (frame == PE_FRAME_BODY) {
         const pe_geometry *geometry = pe_bodies(world)[body.index].geometry;

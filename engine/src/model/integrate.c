@@ -109,7 +109,7 @@ typedef struct step_forces {
  * the one of the last step. */
 static pe_mat3 rotation_after(const pe_world *world, int slot, bool flies, double time)
 {
-    const pe_applied_force *applied = &pe_applied_forces(world)[slot];
+    const pe_applied_force *applied = pe_applied_force_of(world, slot);
     const pe_mat3 *rotation = &pe_poses(world)[slot].rotation;
     const pe_vec3 inertia = pe_masses(world)[slot].inertia;
     pe_vec3 velocity = pe_twists(world)[slot].angular_velocity, change = applied->acceleration;
@@ -126,7 +126,7 @@ static pe_mat3 rotation_after(const pe_world *world, int slot, bool flies, doubl
 /* Forces in the body's axes by Simpson's rule: at the start, the middle and the end. */
 static step_forces forces_of_step(const pe_world *world, int slot, bool flies, double dt)
 {
-    const pe_applied_force *applied = &pe_applied_forces(world)[slot];
+    const pe_applied_force *applied = pe_applied_force_of(world, slot);
     step_forces f = {applied->force, applied->force, applied->torque};
     if (applied->rotates) {
         const pe_mat3 *rotation = &pe_poses(world)[slot].rotation;

@@ -138,6 +138,7 @@ struct pe_world {
 
     pe_array body_array, pose_array, twist_array, mass_array, applied_force_array, record_array;
     pe_array start_pose_array; /* (slots of then): at the start of the last step */
+    int applied_force_count;   /* slots that applied_force_array has; nothing is applied to others */
     bool has_applied_forces;   /* since the last step */
     int slot_count;            /* slots in use or free, the dummy included */
     int first_free;
@@ -193,9 +194,13 @@ static inline pe_mass *pe_masses(const pe_world *world)
     return world->mass_array.items;
 }
 
-static inline pe_applied_force *pe_applied_forces(const pe_world *world)
+/* What is applied to a body. */
+static inline const pe_applied_force *pe_applied_force_of(const pe_world *world, int slot)
 {
-    return world->applied_force_array.items;
+    static const pe_applied_force none = {.rotates = false};
+    return slot < world->applied_force_count
+               ? (const pe_applied_force *)world->applied_force_array.items + slot
+               : &none;
 }
 
 static inline pe_record *pe_records(const pe_world *world)

@@ -66,7 +66,7 @@ static pe_vec3 precess(pe_vec3 inertia, pe_vec3 w, double dt)
  * with the body are taken as they are at the step's start. */
 static pe_vec3 acceleration_of(const pe_world *world, int slot, pe_vec3 *torque)
 {
-    const pe_applied_force *applied = &pe_applied_forces(world)[slot];
+    const pe_applied_force *applied = pe_applied_force_of(world, slot);
     const pe_mat3 *rotation = &pe_poses(world)[slot].rotation;
     pe_vec3 force = pe_add(applied->force, pe_rotate(rotation, applied->body_force));
     *torque = pe_add(pe_unrotate(rotation, applied->torque), applied->body_torque);

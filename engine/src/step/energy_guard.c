@@ -53,7 +53,7 @@ static double kinetic_energy(const pe_mass *mass, const pe_pose *pose, const pe_
 /* Work of the torque on a body: its impulse is what the free motion gains of angular momentum. */
 static double torque_work(const pe_step *step, int slot)
 {
-    if (!pe_has_torque(&pe_applied_forces(step->world)[slot])) {
+    if (!pe_has_torque(pe_applied_force_of(step->world, slot))) {
         return 0;
     }
     const pe_mass *mass = &pe_masses(step->world)[slot];

@@ -67,7 +67,7 @@ bool pe_impact_has_own_time(const pe_step *step, const pe_islands *islands, int 
         return false;
     }
     for (int i = begin; i < end; ++i) {
-        if (pe_has_torque(&pe_applied_forces(world)[islands->bodies[i]])) {
+        if (pe_has_torque(pe_applied_force_of(world, islands->bodies[i]))) {
             return false;
         }
     }

@@ -226,7 +226,7 @@ static bool bound_rotation(const pe_step *step, int slot)
     double speed = pe_max(pe_length(old->velocity), pe_length(now->velocity));
     double spin = pe_max(pe_length(old->angular_velocity), pe_length(now->angular_velocity));
     pe_vec3 change = pe_sub(free->angular_velocity, old->angular_velocity);
-    bool twisted = pe_has_torque(&pe_applied_forces(step->world)[slot]);
+    bool twisted = pe_has_torque(pe_applied_force_of(step->world, slot));
     /* Rotation without a torque may be faster in between: by h w^2 at most. */
     double most = h * (spin + (twisted ? pe_length(change) : 0) + h * spin * spin) +
                   (h * speed + UNEXPLAINED * body->size) / body->bounding_radius;

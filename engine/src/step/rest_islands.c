@@ -17,7 +17,7 @@ static double speed_of(const pe_world *world, int slot, pe_vec3 velocity, pe_vec
 
 static bool has_force(const pe_world *world, int slot)
 {
-    const pe_applied_force *applied = &pe_applied_forces(world)[slot];
+    const pe_applied_force *applied = pe_applied_force_of(world, slot);
     return world->has_applied_forces &&
            (applied->rotates || pe_dot(applied->force, applied->force) > 0 ||
             pe_dot(applied->torque, applied->torque) > 0);

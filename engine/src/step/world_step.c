@@ -87,7 +87,7 @@ static void undo_step(const pe_step *step, pe_status status)
 {
     size_t slots = (size_t)step->world->slot_count;
     if (status == PE_NOT_FINITE) {
-        memset(pe_applied_forces(step->world), 0, slots * sizeof *pe_applied_forces(step->world));
+        step->world->applied_force_count = 0;
         step->world->has_applied_forces = false;
         step->world->contacts.manifold_count = step->world->contacts.point_count = 0;
     }
@@ -224,9 +224,9 @@ static pe_status guard_energy(pe_step *step)
 static void clear_applied_forces(const pe_step *step)
 {
     pe_world *world = step->world;
-    pe_applied_force *applied = pe_applied_forces(world);
+    pe_applied_force *applied = world->applied_force_array.items;
     const int *resting = pe_resting_of(world);
-    for (int i = 0; i < world->slot_count && world->has_applied_forces; ++i) {
+    for (int i = 0; i < world->applied_force_count && world->has_applied_forces; ++i) {
         if (pe_rests(resting, i)) {
             continue;
         }
