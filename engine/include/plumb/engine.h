@@ -412,7 +412,7 @@ typedef struct pe_contact {
     pe_contact_place holds;
 } pe_contact;
 
-/* Copies up to `capacity` contact points of the last step, in a fixed order in which `order` never
+/* Copies up to `capacity` contact points of the last step, none after a step that failed, in a fixed order in which `order` never
  * decreases, and returns how many there are. `contacts` may be NULL when the capacity is 0. */
 int pe_world_get_contacts(const pe_world *world, pe_contact *contacts, int capacity);
 

@@ -131,6 +131,7 @@ pe_status pe_rest_begin(pe_world *world, pe_error *error)
             island->body_count = island->manifold_count = 0;
         }
     }
+    pe_contacts_trim(&world->previous, world->contacts.manifold_count, &world->allocator);
     if (rest->contacts.manifold_count > MOST_GARBAGE * rest->totals.manifolds) {
         compact(world);
     }

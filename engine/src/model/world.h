@@ -234,6 +234,16 @@ static inline void pe_contacts_free(pe_contacts *contacts, const pe_allocator *a
     pe_array_free(&contacts->point_array, allocator);
 }
 
+/* Frees a list, the contents of which are of no more use, if it is far longer than `needed` manifolds. */
+static inline void pe_contacts_trim(pe_contacts *contacts, int needed, const pe_allocator *allocator)
+{
+    enum { SPARE = 4, SHORT = 1024 };
+    if (contacts->manifold_array.capacity > SPARE * (size_t)needed + SHORT) {
+        pe_contacts_free(contacts, allocator);
+        contacts->manifold_count = contacts->point_count = 0;
+    }
+}
+
 /* Exchanges two lists. */
 static inline void pe_contacts_swap(pe_contacts *a, pe_contacts *b)
 {

@@ -180,11 +180,18 @@ static pe_status solve_and_move(pe_step *step)
 
 /* ---- Contacts of the step's end, and corrections ---- */
 
-/* Finds the contacts that the next step solves. Those solved in this step become world->solved. */
+/* Finds the contacts that the next step solves. Those solved in this step become world->solved, and take
+ * the place of the list that was there. So two lists are enough, unless contacts change again in the
+ * step. */
 static pe_status find_next_contacts(pe_step *step)
 {
     pe_world *world = step->world;
     world->previous_dt = step->dt;
+    if (world->previous.manifold_array.capacity < world->solved.manifold_array.capacity) {
+        pe_contacts_swap(&world->previous, &world->solved);
+        pe_contacts_trim(&world->previous, world->contacts.manifold_count, &world->allocator);
+    }
+    world->solved.manifold_count = world->solved.point_count = 0;
     pe_status status = find_contacts(step);
     if (status == PE_OK) {
         pe_contacts_swap(&world->previous, &world->solved);
