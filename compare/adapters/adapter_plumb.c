@@ -29,6 +29,7 @@ enum {
     OPTION_SLOP,
     OPTION_IMPACT_BODIES,
     OPTION_THREADS,
+    OPTION_SLEEP,
     OPTION_COUNT
 };
 
@@ -56,6 +57,9 @@ static const pl_engine_option options[OPTION_COUNT] = {
     {"threads", 1, 1, PE_MOST_THREADS, true, "1",
      "threads of a step; the bits are the same for any number", "def.threads = {};", 0, 0, 0,
      false},
+    {"sleep", 0, 0, 1, true, "1",
+     "1: islands sleep that were slower than 0.05 m/s for 0.5 s; what creeps stops then",
+     "def.sleep = {};", 0, 0, 0, false},
 };
 
 static const pl_engine_profile profiles[] = {
@@ -220,6 +224,7 @@ static pl_status create(const pl_engine_setup *setup, pl_engine_instance **made,
     def.penetration_slop = values[OPTION_SLOP];
     def.impact_bodies = (int)values[OPTION_IMPACT_BODIES];
     def.threads = (int)values[OPTION_THREADS];
+    def.sleep = values[OPTION_SLEEP] != 0;
 
     pe_error failure;
     pe_status status = PE_OK;

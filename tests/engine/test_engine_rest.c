@@ -223,6 +223,61 @@ static void test_islands_come_and_go_in_any_order(void **state)
     pe_world_destroy(world);
 }
 
+/* ---- Sleep ---- */
+
+/* A ball that rolls at 2 cm/s on a plane. */
+static pe_world *make_rolling(bool sleep, pe_body_id *ball)
+{
+    pe_world_def def = pe_world_def_default();
+    def.sleep = sleep;
+    pe_world *world = make_world(&def);
+    pe_material_id rough = add_material(world, 0.5, 0);
+    add_plane(world, pe_v3(0, 0, 1), rough);
+    pe_body_def rolling = pe_body_def_default();
+    rolling.material = rough;
+    rolling.position.z = 0.5;
+    rolling.velocity.x = 0.02;
+    rolling.angular_velocity.y = 0.04;
+    *ball = add_body(world, &rolling);
+    return world;
+}
+
+static void test_what_creeps_sleeps_only_if_asked(void **state)
+{
+    (void)state;
+    for (int sleep = 0; sleep < 2; ++sleep) {
+        pe_body_id ball;
+        pe_world *world = make_rolling(sleep == 1, &ball);
+        pe_step_stats stats = {0};
+        for (int i = 0; i < 60; ++i) {
+            stats = step(world, H);
+        }
+        assert_int_equal(stats.sleeping, sleep);
+        /* It sleeps after a half of the second. */
+        assert_close(state_of(world, ball).position.x, sleep ? 0.01 : 0.02, 0.02 * H, 0);
+        assert_close(state_of(world, ball).velocity.x, sleep ? 0 : 0.02, 1e-9, 0);
+        pe_world_destroy(world);
+    }
+}
+
+static void test_sleep_says_how_far_a_body_would_have_moved(void **state)
+{
+    (void)state;
+    pe_body_id ball;
+    pe_world *world = make_rolling(true, &ball);
+    for (int i = 0; i < 90; ++i) {
+        assert_true(step(world, H).sleep_drift == 0);
+    }
+    const pe_vec3 force = {0, 1, 0}, centre = {0, 0, 0};
+    pe_body_apply_force(world, ball, force, centre, PE_FRAME_WORLD, NULL);
+    pe_step_stats stats = step(world, H);
+    assert_int_equal(stats.sleeping, 0);
+    /* The fastest point of the ball moves at twice its speed; it slept for a second. */
+    assert_close(stats.sleep_drift, 0.04 * 1, 0.04 * 2 * H, 0);
+    assert_true(state_of(world, ball).velocity.y > 0.01);
+    pe_world_destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -234,6 +289,8 @@ int main(void)
         cmocka_unit_test(test_a_woken_island_rests_again_as_it_was),
         cmocka_unit_test(test_what_moves_slowly_does_not_rest),
         cmocka_unit_test(test_islands_come_and_go_in_any_order),
+        cmocka_unit_test(test_what_creeps_sleeps_only_if_asked),
+        cmocka_unit_test(test_sleep_says_how_far_a_body_would_have_moved),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

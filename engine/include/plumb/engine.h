@@ -138,6 +138,13 @@ typedef struct pe_world_def {
      * to remove it would give them energy. */
     double penetration_slop;
 
+    /* Whether an island falls asleep in which no point has been faster than 0.05 m/s for 0.5 s. It stays
+     * where it is, with velocities of zero, and costs as little as one at rest. An active body that
+     * touches it wakes it, a force on it, or a change of bodies or materials. What creeps stops then:
+     * pe_step_stats says how far it would have moved. Without it an island rests only where a step
+     * would leave it as it is, to rounding. */
+    bool sleep;
+
     pe_allocator allocator; /* all NULL: aligned_alloc and free */
 
     /* Threads that a step uses, the calling one included: 1 to PE_MOST_THREADS. The bits are the same
@@ -367,6 +374,9 @@ typedef struct pe_step_stats {
                         again after 1, 2, 4, up to 64 steps */
     int guarded_islands;      /* groups of touching bodies from which energy was taken that they had
                                  gained from numerical errors */
+    int sleeping;             /* bodies that are asleep after the step */
+    double sleep_drift;       /* m: the farthest that a body which woke in the step would have moved, had
+                                 it kept the speed with which it fell asleep */
     double time_broad_phase;  /* s: pairs of bodies that are near each other */
     double time_narrow_phase; /* s: contact points of these pairs */
     double time_contacts;     /* s: impulses taken over from the last step */

@@ -89,7 +89,8 @@ void pe_array_free(pe_array *array, const pe_allocator *allocator)
 }
 
 /* A block for at least `size` bytes: the spare one, if it is large enough. NULL when out of memory. */
-static struct pe_arena_block *take_block(pe_arena *arena, const pe_allocator *allocator, size_t size)
+static struct pe_arena_block *take_block(pe_arena *arena, const pe_allocator *allocator,
+                                         size_t size)
 {
     struct pe_arena_block *block = arena->spare;
     if (block != NULL && block->capacity >= size) {

@@ -41,8 +41,9 @@ void pe_array_free(pe_array *array, const pe_allocator *allocator);
 /* Blocks from which a step takes memory, all of which is given back at once. When the last block is full
  * another one is taken, and the next reset makes one of them all. */
 typedef struct pe_arena {
-    struct pe_arena_block *last, *spare; /* in use, with those before it; the one that was left last */
-    size_t used;                         /* bytes of the last block */
+    struct pe_arena_block *last,
+        *spare;          /* in use, with those before it; the one that was left last */
+    size_t used;         /* bytes of the last block */
     size_t wanted, most; /* bytes: in use now, and at most since the last reset */
     bool failed;         /* a request since the last reset was refused */
 } pe_arena;

@@ -133,10 +133,8 @@ static pe_status reserve_slot(pe_world *world, pe_error *error)
         pe_array *array;
         size_t stride;
     } rows[] = {
-        {&world->body_array, sizeof(pe_body)},
-        {&world->pose_array, sizeof(pe_pose)},
-        {&world->twist_array, sizeof(pe_twist)},
-        {&world->mass_array, sizeof(pe_mass)},
+        {&world->body_array, sizeof(pe_body)},     {&world->pose_array, sizeof(pe_pose)},
+        {&world->twist_array, sizeof(pe_twist)},   {&world->mass_array, sizeof(pe_mass)},
         {&world->record_array, sizeof(pe_record)},
     };
     size_t used = (size_t)world->slot_count;

@@ -57,6 +57,7 @@ static void add_to_totals(const pe_world *world, const pe_resting_island *island
     }
     t->islands += 1;
     t->bodies += island->body_count;
+    t->sleeping += island->sleeps ? island->body_count : 0;
     t->manifolds += island->manifold_count;
     t->points += points;
     t->residual = pe_max(t->residual, record->residual);
@@ -108,7 +109,7 @@ static void compact(pe_world *world)
     rest->island_count = kept;
 }
 
-pe_status pe_rest_begin(pe_world *world, pe_error *error)
+pe_status pe_rest_begin(pe_world *world, double dt, pe_error *error)
 {
     pe_rest *rest = world->rest;
     const size_t slots = (size_t)world->slot_count, used = (size_t)rest->slot_count;
@@ -124,6 +125,7 @@ pe_status pe_rest_begin(pe_world *world, pe_error *error)
     memset(of_body(rest) + used, 0, (slots - used) * sizeof(int));
     rest->slot_count = world->slot_count;
     rest->woken_count = 0;
+    rest->time += dt;
     for (int k = 0; k < rest->island_count; ++k) {
         pe_resting_island *island = &islands_of(rest)[k];
         island->is_new = false;
@@ -147,16 +149,17 @@ static pe_resting_island *island_of(const pe_rest *rest, const pe_manifold *m)
     return index != 0 ? &islands_of(rest)[index - 1] : NULL;
 }
 
-/* Appends the flagged islands, without contacts. */
-static pe_status add_bodies(pe_world *world, const pe_islands *islands, const bool *flagged,
-                            pe_error *error)
+/* Appends the chosen islands, without contacts. */
+static pe_status add_bodies(pe_world *world, const pe_islands *islands,
+                            const pe_rest_choice *choices, pe_error *error)
 {
     pe_rest *rest = world->rest;
     const size_t old_islands = (size_t)rest->island_count, old_bodies = (size_t)rest->body_count;
     size_t count = 0, bodies = 0;
     for (int k = 0; k < islands->count; ++k) {
-        count += flagged[k];
-        bodies += flagged[k] ? (size_t)(islands->body_start[k + 1] - islands->body_start[k]) : 0;
+        count += choices[k].rests;
+        bodies +=
+            choices[k].rests ? (size_t)(islands->body_start[k + 1] - islands->body_start[k]) : 0;
     }
     pe_status status =
         pe_array_reserve(&rest->island_array, &world->allocator, sizeof(pe_resting_island),
@@ -166,9 +169,13 @@ static pe_status add_bodies(pe_world *world, const pe_islands *islands, const bo
                                   old_bodies + bodies, old_bodies, error);
     }
     for (int k = 0; k < islands->count && status == PE_OK; ++k) {
-        if (flagged[k]) {
+        if (choices[k].rests) {
             pe_resting_island *island = &islands_of(rest)[rest->island_count++];
-            *island = (pe_resting_island){.first_body = rest->body_count, .is_new = true};
+            *island = (pe_resting_island){.first_body = rest->body_count,
+                                          .speed = choices[k].sleeps ? choices[k].speed : 0,
+                                          .since = rest->time,
+                                          .sleeps = choices[k].sleeps,
+                                          .is_new = true};
             for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
                 of_body(rest)[islands->bodies[i]] = rest->island_count;
                 bodies_of(rest)[rest->body_count++] = islands->bodies[i];
@@ -245,12 +252,12 @@ static void move_contacts(pe_world *world)
     pe_contacts_swap(&world->contacts, &world->previous);
 }
 
-pe_status pe_rest_add(pe_world *world, const pe_islands *islands, const bool *flagged,
+pe_status pe_rest_add(pe_world *world, const pe_islands *islands, const pe_rest_choice *choices,
                       pe_error *error)
 {
     pe_rest *rest = world->rest;
     const int first = rest->island_count;
-    pe_status status = add_bodies(world, islands, flagged, error);
+    pe_status status = add_bodies(world, islands, choices, error);
     if (status != PE_OK) {
         return status;
     }
@@ -388,6 +395,8 @@ static void wake_bodies(pe_rest *rest)
     for (int k = 0; k < rest->island_count; ++k) {
         const pe_resting_island *island = &islands_of(rest)[k];
         if (is_waking(rest, k)) {
+            rest->sleep_drift =
+                pe_max(rest->sleep_drift, island->speed * (rest->time - island->since));
             for (int i = island->body_count - 1; i >= 0; --i) {
                 const int slot = bodies_of(rest)[island->first_body + i];
                 of_body(rest)[slot] = 0;

@@ -14,13 +14,16 @@ typedef struct pe_resting_island {
     int first_body, body_count;         /* of body_array; no bodies: the island is gone */
     int first_manifold, manifold_count; /* of contacts */
     int first_point, point_count;       /* of contacts: room for the points of the manifolds */
-    bool is_new; /* it came to rest at the end of the last step, in which it was solved */
-    bool wakes;  /* it is to be woken, or has been since the last step began */
+    double speed, since; /* asleep: m/s, of its fastest point when it fell asleep, and s, when */
+    bool sleeps;         /* it was put to sleep while it moved */
+    bool is_new;         /* it came to rest at the end of the last step, in which it was solved */
+    bool wakes;          /* it is to be woken, or has been since the last step began */
 } pe_resting_island;
 
 /* What the islands at rest count for. */
 typedef struct pe_rest_totals {
     int islands, bodies, manifolds, points;
+    int sleeping;       /* bodies */
     double residual;    /* m/s, largest, of their last solves */
     double squares;     /* (m/s)^2: rms residual squared times points, summed */
     double penetration; /* m, deepest */
@@ -36,6 +39,9 @@ typedef struct pe_rest {
     int slot_count;
     pe_array woken_array; /* (woken_count) slots that were woken since the step began */
     int woken_count;
+    double time; /* s, of all steps */
+    double
+        sleep_drift; /* m, of the bodies that were woken since the step began: see pe_step_stats */
     pe_rest_totals totals; /* of islands that do not wake */
 } pe_rest;
 
@@ -51,12 +57,19 @@ static inline bool pe_rests(const int *resting, int slot)
     return resting != NULL && resting[slot] != 0;
 }
 
-/* Makes room for all slots, and forgets the islands that have been woken, and that others are new. */
-pe_status pe_rest_begin(pe_world *world, pe_error *error);
+/* Begins a step of dt, in s, or of 0: makes room for all slots, and forgets the islands that have been woken, and that others are new. */
+pe_status pe_rest_begin(pe_world *world, double dt, pe_error *error);
 
-/* Puts the flagged islands (islands->count), of which there are some, at rest. Their velocities are zero
- * already, and their manifolds leave world->contacts. On failure nothing has changed. */
-pe_status pe_rest_add(pe_world *world, const pe_islands *islands, const bool *flagged,
+/* What becomes of an island at the end of a step. */
+typedef struct pe_rest_choice {
+    bool rests;   /* it is put at rest */
+    bool sleeps;  /* although it moves */
+    double speed; /* m/s, of its fastest point at most; where it sleeps */
+} pe_rest_choice;
+
+/* Puts the islands at rest for which this is the choice (islands->count). Their manifolds leave
+ * world->contacts. The caller sets velocities to zero. On failure nothing has changed. */
+pe_status pe_rest_add(pe_world *world, const pe_islands *islands, const pe_rest_choice *choices,
                       pe_error *error);
 
 /* Has the island of the body, if it rests, woken by the next call of pe_rest_wake. */

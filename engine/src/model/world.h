@@ -69,6 +69,7 @@ typedef struct pe_record {
     pe_backoff parts;      /* steps in parts, which had to be joined */
     pe_stopping stopping;  /* to make an island rest that hardly moves */
     double residual, rms;  /* m/s: what the last solve left */
+    double slow_time;      /* s: how long the island has been slow enough to sleep */
     bool put_back;         /* the energy guard put the island back, which had been at rest */
 } pe_record;
 
@@ -138,9 +139,9 @@ struct pe_world {
 
     pe_array body_array, pose_array, twist_array, mass_array, applied_force_array, record_array;
     pe_array start_pose_array; /* (slots of then): at the start of the last step */
-    int applied_force_count;   /* slots that applied_force_array has; nothing is applied to others */
-    bool has_applied_forces;   /* since the last step */
-    int slot_count;            /* slots in use or free, the dummy included */
+    int applied_force_count; /* slots that applied_force_array has; nothing is applied to others */
+    bool has_applied_forces; /* since the last step */
+    int slot_count;          /* slots in use or free, the dummy included */
     int first_free;
 
     pe_array geometry_array; /* (geometry_count) pointers to pe_geometry */
@@ -235,7 +236,8 @@ static inline void pe_contacts_free(pe_contacts *contacts, const pe_allocator *a
 }
 
 /* Frees a list, the contents of which are of no more use, if it is far longer than `needed` manifolds. */
-static inline void pe_contacts_trim(pe_contacts *contacts, int needed, const pe_allocator *allocator)
+static inline void pe_contacts_trim(pe_contacts *contacts, int needed,
+                                    const pe_allocator *allocator)
 {
     enum { SPARE = 4, SHORT = 1024 };
     if (contacts->manifold_array.capacity > SPARE * (size_t)needed + SHORT) {

@@ -8,6 +8,9 @@
  * and momenta differ by as much then. It is rounding: a step of gravity at 60 Hz is 0.16 m/s. */
 static const double STILL = 1e-12;
 
+/* With sleep: an island falls asleep that has been slower than this, in m/s, for so long, in s. */
+static const double SLEEP_SPEED = 0.05, SLEEP_TIME = 0.5;
+
 /* The speed of the body's fastest point, in m/s, at most. */
 static double speed_of(const pe_world *world, int slot, pe_vec3 velocity, pe_vec3 angular_velocity)
 {
@@ -80,38 +83,82 @@ static bool is_unchanged(const pe_step *step, int slot)
            r->settling.wait == 0 && r->parts.wait == 0;
 }
 
-/* Drops held islands of which a body has changed, and lists the others by body; whether there are
- * any. */
-static bool list_held(const pe_step *step, int *island_of)
+static bool is_island_unchanged(const pe_step *step, int k)
+{
+    const pe_islands *islands = &step->islands;
+    bool unchanged = step->held[k];
+    for (int i = islands->body_start[k]; i < islands->body_start[k + 1] && unchanged; ++i) {
+        unchanged = is_unchanged(step, islands->bodies[i]);
+    }
+    return unchanged;
+}
+
+/* ---- Falling asleep ---- */
+
+/* Counts how long the island has been slow, and returns whether that is long enough for it to sleep.
+ * *speed: of its fastest point, in m/s, at most. */
+static bool is_tired(const pe_step *step, int k, double *speed)
+{
+    const pe_islands *islands = &step->islands;
+    const bool slow = pe_is_slow(step, islands, k, SLEEP_SPEED);
+    double least = HUGE_VAL;
+    *speed = 0;
+    for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
+        const int slot = islands->bodies[i];
+        const pe_twist *twist = &pe_twists(step->world)[slot];
+        pe_record *r = &pe_records(step->world)[slot];
+        r->slow_time = slow ? r->slow_time + step->dt : 0;
+        least = pe_min(least, r->slow_time);
+        *speed =
+            pe_max(*speed, speed_of(step->world, slot, twist->velocity, twist->angular_velocity));
+    }
+    return least >= SLEEP_TIME;
+}
+
+/* ---- Both ---- */
+
+/* Lists, by body, the islands that rest or sleep; whether there are any. */
+static bool list_candidates(const pe_step *step, pe_rest_choice *choices, int *island_of)
 {
     const pe_islands *islands = &step->islands;
     bool any = false;
     for (int k = 0; k < islands->count; ++k) {
-        for (int i = islands->body_start[k]; i < islands->body_start[k + 1] && step->held[k]; ++i) {
-            step->held[k] = is_unchanged(step, islands->bodies[i]);
-        }
+        pe_rest_choice *c = &choices[k];
+        *c = (pe_rest_choice){.rests = is_island_unchanged(step, k)};
+        c->sleeps = step->world->def.sleep && is_tired(step, k, &c->speed) && !c->rests;
+        c->rests = c->rests || c->sleeps;
         for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
-            island_of[islands->bodies[i]] = step->held[k] ? k : -1;
+            island_of[islands->bodies[i]] = c->rests ? k : -1;
         }
-        any = any || step->held[k];
+        any = any || c->rests;
     }
     return any;
 }
 
-/* Drops held islands that touch an active body, or have a manifold that was not kept. */
-static void drop_touched(const pe_step *step, const int *island_of)
+/* Drops islands that touch an active body, and those that rest with a manifold that was not kept. */
+static void drop_touched(const pe_step *step, const int *island_of, pe_rest_choice *choices)
 {
     const pe_contacts *contacts = &step->world->contacts;
     const pe_body *bodies = pe_bodies(step->world);
     for (int i = 0; i < contacts->manifold_count; ++i) {
         const pe_manifold *m = &pe_manifolds(contacts)[i];
-        const int a = island_of[m->a], b = island_of[m->b];
-        const bool within = a == b || bodies[m->a].is_static || bodies[m->b].is_static;
-        if (a >= 0 && !(within && m->kept)) {
-            step->held[a] = false;
+        const int of[2] = {island_of[m->a], island_of[m->b]};
+        const bool within = of[0] == of[1] || bodies[m->a].is_static || bodies[m->b].is_static;
+        for (int side = 0; side < 2; ++side) {
+            if (of[side] >= 0 && !(within && (m->kept || choices[of[side]].sleeps))) {
+                choices[of[side]].rests = false;
+            }
         }
-        if (b >= 0 && !(within && m->kept)) {
-            step->held[b] = false;
+    }
+}
+
+static void stop_sleepers(const pe_step *step, const pe_rest_choice *choices)
+{
+    const pe_islands *islands = &step->islands;
+    for (int k = 0; k < islands->count; ++k) {
+        for (int i = islands->body_start[k];
+             choices[k].rests && choices[k].sleeps && i < islands->body_start[k + 1]; ++i) {
+            pe_twists(step->world)[islands->bodies[i]] = (pe_twist){0};
         }
     }
 }
@@ -119,26 +166,31 @@ static void drop_touched(const pe_step *step, const int *island_of)
 pe_status pe_rest_islands(pe_step *step)
 {
     pe_world *world = step->world;
-    const size_t slots = (size_t)world->slot_count;
-    bool any = false;
-    for (int k = 0; k < step->islands.count && !any; ++k) {
+    const size_t slots = (size_t)world->slot_count, islands = (size_t)step->islands.count;
+    bool any = world->def.sleep;
+    for (size_t k = 0; k < islands && !any; ++k) {
         any = step->held[k];
     }
     if (!any) {
         return PE_OK;
     }
     int *island_of = pe_scratch(world, slots, sizeof *island_of);
-    if (island_of == NULL) {
+    pe_rest_choice *choices = pe_scratch(world, islands + 1, sizeof *choices);
+    if (island_of == NULL || choices == NULL) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory for the islands of %zu bodies", slots);
     }
     for (size_t slot = 0; slot < slots; ++slot) {
         island_of[slot] = -1;
     }
-    if (!list_held(step, island_of)) {
+    if (!list_candidates(step, choices, island_of)) {
         return PE_OK;
     }
-    drop_touched(step, island_of);
-    return pe_rest_add(world, &step->islands, step->held, step->error);
+    drop_touched(step, island_of, choices);
+    pe_status status = pe_rest_add(world, &step->islands, choices, step->error);
+    if (status == PE_OK) {
+        stop_sleepers(step, choices);
+    }
+    return status;
 }
 
 /* ---- Waking ---- */
@@ -167,7 +219,8 @@ pe_status pe_wake_touched(pe_step *step)
 pe_status pe_wake_changed(pe_step *step, bool all)
 {
     pe_world *world = step->world;
-    pe_status status = pe_rest_begin(world, step->error);
+    world->rest->sleep_drift = 0;
+    pe_status status = pe_rest_begin(world, step->dt, step->error);
     const int *resting = pe_resting_of(world);
     if (status != PE_OK || resting == NULL) {
         return status;
@@ -181,7 +234,7 @@ pe_status pe_wake_changed(pe_step *step, bool all)
         }
     }
     status = pe_rest_wake(world, step->error);
-    return status == PE_OK ? pe_rest_begin(world, step->error) : status;
+    return status == PE_OK ? pe_rest_begin(world, 0, step->error) : status;
 }
 
 pe_status pe_update_contacts(pe_step *step, const bool *moved)

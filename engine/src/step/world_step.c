@@ -305,6 +305,8 @@ pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_err
         return status;
     }
     clear_applied_forces(&step);
+    step.stats.sleeping = world->rest->totals.sleeping;
+    step.stats.sleep_drift = world->rest->sleep_drift;
     if (stats != NULL) {
         *stats = step.stats;
     }
