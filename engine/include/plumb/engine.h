@@ -372,10 +372,10 @@ typedef struct pe_step_stats {
                         least extent after the step: a step parts them by a fifth of it at most */
     int unparted;    /* those of them that the last attempt did not part: they stay, and are tried
                         again after 1, 2, 4, up to 64 steps */
-    int guarded_islands;      /* groups of touching bodies from which energy was taken that they had
+    int guarded_islands; /* groups of touching bodies from which energy was taken that they had
                                  gained from numerical errors */
-    int sleeping;             /* bodies that are asleep after the step */
-    double sleep_drift;       /* m: the farthest that a body which woke in the step would have moved, had
+    int sleeping;        /* bodies that are asleep after the step */
+    double sleep_drift;  /* m: the farthest that a body which woke in the step would have moved, had
                                  it kept the speed with which it fell asleep */
     double time_broad_phase;  /* s: pairs of bodies that are near each other */
     double time_narrow_phase; /* s: contact points of these pairs */
