@@ -127,8 +127,9 @@ static pe_world *make_field(const pe_world_def *def, pe_body_id *last)
     pe_material_id material = add_material(world, 0.4, 0.2);
     add_plane(world, pe_v3(0, 0, 1), material);
     for (int i = 0; i < ROWS * ROWS; ++i) {
-        pe_body_def box = box_def(
-            0.5, 0.5, 0.5, pe_v3(1.3 * (i % ROWS), 1.3 * (i / ROWS), 0.5 + 0.001 * (i % 100)));
+        const int row = i / ROWS;
+        pe_body_def box =
+            box_def(0.5, 0.5, 0.5, pe_v3(1.3 * (i % ROWS), 1.3 * row, 0.5 + 0.001 * (i % 100)));
         box.material = material;
         *last = add_body(world, &box);
     }

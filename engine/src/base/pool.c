@@ -35,13 +35,14 @@ struct pe_pool {
     void *context;
     int count, grain, pieces;
 
+    pthread_cond_t wake;
+
     _Alignas(CACHE_LINE) atomic_uint loop;  /* odd while a loop is open, and other than before */
     _Alignas(CACHE_LINE) atomic_int next;   /* the piece to be taken next */
     _Alignas(CACHE_LINE) atomic_int inside; /* threads that may look at the loop */
-    _Alignas(CACHE_LINE) atomic_int sleepers;
+    atomic_int sleepers;
     atomic_bool stop;
     pthread_mutex_t mutex;
-    pthread_cond_t wake;
 };
 
 static void relax(void)

@@ -293,7 +293,8 @@ static void bound_bodies(void *context, int worker, int begin, int end)
 
 bool pe_bound_motion(const pe_step *step, bool *put_back)
 {
-    bounding b = {.step = step, .put_back = put_back};
+    bounding b = {.step = step};
+    b.put_back = put_back;
     pe_pool_run(step->world->pool, step->world->slot_count, PE_BODY_GRAIN, bound_bodies, &b);
     return b.any;
 }

@@ -2,8 +2,6 @@
 #include "model/rest.h"
 #include "step.h"
 
-#include <string.h>
-
 /* m/s: an island is held if no point of its bodies is faster, or gets faster by more in a step. Impulses
  * and momenta differ by as much then. It is rounding: a step of gravity at 60 Hz is 0.16 m/s. */
 static const double STILL = 1e-12;
@@ -71,6 +69,14 @@ void pe_hold_island(pe_step *step, int k)
 
 /* ---- Coming to rest ---- */
 
+static bool is_same_pose(const pe_pose *a, const pe_pose *b)
+{
+    const pe_vec3 x = a->position, y = b->position;
+    const pe_quat p = a->orientation, q = b->orientation;
+    return x.x == y.x && x.y == y.y && x.z == y.z && p.w == q.w && p.x == q.x && p.y == q.y &&
+           p.z == q.z;
+}
+
 /* Whether a held body is as it was at the step's start, and the next step has nothing to do for it that
  * this one had not. */
 static bool is_unchanged(const pe_step *step, int slot)
@@ -78,9 +84,9 @@ static bool is_unchanged(const pe_step *step, int slot)
     const pe_world *world = step->world;
     const pe_record *r = &pe_records(world)[slot];
     return !step->corrected[slot] && pe_is_still(&pe_twists(world)[slot]) &&
-           memcmp(&pe_poses(world)[slot], &step->poses[slot], sizeof(pe_pose)) == 0 &&
-           r->correction.pause == 0 && r->parting.pause == 0 && r->direct.wait == 0 &&
-           r->settling.wait == 0 && r->parts.wait == 0;
+           is_same_pose(&pe_poses(world)[slot], &step->poses[slot]) && r->correction.pause == 0 &&
+           r->parting.pause == 0 && r->direct.wait == 0 && r->settling.wait == 0 &&
+           r->parts.wait == 0;
 }
 
 static bool is_island_unchanged(const pe_step *step, int k)
