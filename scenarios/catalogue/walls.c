@@ -142,8 +142,8 @@ static void city_build(pl_builder *b, const double *values)
     pl_build_floor(b);
     b->scene->collapse_distance = brick_height / 2;
     for (int i = 0; i < houses * rows; ++i) {
-        const int house = i / rows;
-        build_ring(b, house, i % rows, columns, house % side * pitch, house / side * pitch);
+        const int house = i / rows, column = house % side, line = house / side;
+        build_ring(b, house, i % rows, columns, column * pitch, line * pitch);
     }
 }
 
