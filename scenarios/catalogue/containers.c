@@ -55,25 +55,11 @@ static pl_shape draw_box(pl_random *random, const kit *k)
     return pl_shape_box(half_extents[0], half_extents[1], half_extents[2]);
 }
 
-/* The hull of random points on an ellipsoid: a stone of its own. */
-enum { STONE_POINTS = 14 };
-
 static pl_shape draw_stone(pl_builder *b, const kit *k)
 {
-    double points[STONE_POINTS][3], axes[3], q[4];
     char name[PL_NAME_SIZE];
-    for (int i = 0; i < 3; ++i) {
-        axes[i] = draw_size(&b->random, k);
-    }
-    for (int i = 0; i < STONE_POINTS; ++i) {
-        /* The image of z under a random rotation is uniform on the sphere. */
-        pl_draw_orientation(&b->random, q);
-        points[i][0] = axes[0] * 2 * (q[1] * q[3] + q[0] * q[2]);
-        points[i][1] = axes[1] * 2 * (q[2] * q[3] - q[0] * q[1]);
-        points[i][2] = axes[2] * (1 - 2 * (q[1] * q[1] + q[2] * q[2]));
-    }
     snprintf(name, sizeof name, "stone %d", b->scene->body_count);
-    return pl_build_hull(b, name, (const double(*)[3])points, STONE_POINTS);
+    return pl_build_stone(b, name, k->least, k->most);
 }
 
 static pl_shape draw_shape(pl_builder *b, const kit *k)
@@ -191,9 +177,9 @@ static lattice dense_lattice(const kit *k, double bodies, int high)
     return (lattice){count, columns_for(count, high), cell_of(k, 0.05)};
 }
 
-#define PL_PARAM_BODIES(count)                                                                     \
+#define PL_PARAM_BODIES(count, most)                                                               \
     {                                                                                              \
-        "n", count, 1, 5000, true, "1", "number of bodies"                                         \
+        "n", count, 1, most, true, "1", "number of bodies"                                         \
     }
 #define PL_POURED                                                                                  \
     .reference = "no closed form for the motion; " PL_CHAOTIC_REFERENCE,                           \
@@ -206,7 +192,7 @@ static lattice dense_lattice(const kit *k, double bodies, int high)
 enum { PILE_COUNT, PILE_SHAPE, PILE_COLUMNS, PILE_GAP, PILE_FRICTION };
 
 static const pl_param pile_params[] = {
-    PL_PARAM_BODIES(100),
+    PL_PARAM_BODIES(100, 100000),
     {"shape", BOTH, SPHERES, ALL, true, "1",
      "0 spheres, 1 boxes, 2 either at random, 3 rings of 500 triangles, 4 any of the shapes"},
     {"columns", 0, 0, 1000, true, "1",
@@ -245,7 +231,7 @@ const pl_scenario pl_scenario_pile = {
 enum { CONTAINER_COUNT, CONTAINER_FRICTION };
 
 static const pl_param container_params[] = {
-    PL_PARAM_BODIES(100),
+    PL_PARAM_BODIES(100, 5000),
     PL_PARAM_FRICTION,
     PL_PARAM_TIME(30),
 };
@@ -274,7 +260,7 @@ const pl_scenario pl_scenario_container = {
 enum { RUBBLE_COUNT, RUBBLE_FRICTION };
 
 static const pl_param rubble_params[] = {
-    PL_PARAM_BODIES(300),
+    PL_PARAM_BODIES(300, 5000),
     PL_PARAM_FRICTION,
     PL_PARAM_TIME(6),
 };
@@ -301,7 +287,7 @@ const pl_scenario pl_scenario_rubble = {
 enum { MEDLEY_COUNT, MEDLEY_FRICTION };
 
 static const pl_param medley_params[] = {
-    PL_PARAM_BODIES(80),
+    PL_PARAM_BODIES(80, 5000),
     PL_PARAM_FRICTION,
     PL_PARAM_TIME(6),
 };

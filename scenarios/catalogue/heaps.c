@@ -11,7 +11,7 @@ static const double half = 0.5; /* m, of a cube */
 enum { BLOCKS_COUNT, BLOCKS_MESH, BLOCKS_FRICTION };
 
 static const pl_param blocks_params[] = {
-    {"n", 200, 1, 90000, true, "1", "number of cubes"},
+    {"n", 200, 1, 100000, true, "1", "number of cubes"},
     {"mesh", 1, 0, 1, true, "1", "0: boxes; 1: meshes of 12 triangles, as in the source paper"},
     PL_PARAM_FRICTION,
     PL_PARAM_TIME(2),

@@ -263,3 +263,20 @@ pl_shape pl_build_solid(pl_builder *builder, pl_solid *solid, bool convex, const
     pl_solid_free(solid);
     return made != NULL ? pl_shape_of(made) : (pl_shape){.kind = PL_SHAPE_MESH};
 }
+
+pl_shape pl_build_stone(pl_builder *builder, const char *name, double least, double most)
+{
+    enum { POINTS = 14 };
+    double points[POINTS][3], axes[3], q[4];
+    for (int i = 0; i < 3; ++i) {
+        axes[i] = pl_draw_uniform(&builder->random, least, most);
+    }
+    for (int i = 0; i < POINTS; ++i) {
+        /* The image of z under a random rotation is uniform on the sphere. */
+        pl_draw_orientation(&builder->random, q);
+        points[i][0] = axes[0] * 2 * (q[1] * q[3] + q[0] * q[2]);
+        points[i][1] = axes[1] * 2 * (q[2] * q[3] - q[0] * q[1]);
+        points[i][2] = axes[2] * (1 - 2 * (q[1] * q[1] + q[2] * q[2]));
+    }
+    return pl_build_hull(builder, name, (const double(*)[3])points, POINTS);
+}

@@ -49,4 +49,9 @@ void pl_solid_free(pl_solid *solid);
  * solid and returns the shape; a shape without polyhedron after a failure. */
 pl_shape pl_build_solid(pl_builder *builder, pl_solid *solid, bool convex, const char *name);
 
+/* Makes a stone the scene's and returns its shape: the hull of 14 random points on an ellipsoid
+ * about the origin, whose half axes are random from `least` to `most` m. A shape without polyhedron
+ * after a failure. */
+pl_shape pl_build_stone(pl_builder *builder, const char *name, double least, double most);
+
 #endif

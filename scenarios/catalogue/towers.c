@@ -133,11 +133,13 @@ const pl_scenario pl_scenario_tower = {
 /* Towers of unit cubes next to each other, k by k of them, 1 m apart: each is independent, and none
  * may disturb another. */
 
+enum { MOST_CUBES = 100000 };
+
 enum { MULTI_TOWER_SIDE, MULTI_TOWER_COUNT, MULTI_TOWER_FRICTION };
 
 static const pl_param multi_tower_params[] = {
-    {"k", 5, 1, 30, true, "1", "towers along either side of the square"},
-    {"n", 25, 1, 100, true, "1", "cubes of a tower"},
+    {"k", 5, 1, 100, true, "1", "towers along either side of the square"},
+    {"n", 25, 1, 100, true, "1", "cubes of a tower; all towers together have at most 100000"},
     PL_PARAM_FRICTION,
     PL_PARAM_TIME(10),
 };
@@ -146,6 +148,11 @@ static void multi_tower_build(pl_builder *b, const double *values)
 {
     const double spacing = 2;
     const int towers = (int)values[MULTI_TOWER_SIDE], count = (int)values[MULTI_TOWER_COUNT];
+    if (towers * towers * count > MOST_CUBES) {
+        pl_build_refuse(b, "expected at most %d cubes, found k * k * n = %d", MOST_CUBES,
+                        towers * towers * count);
+        return;
+    }
     begin(b);
     for (int tower = 0; tower < towers * towers; ++tower) {
         const int column = tower % towers, row = tower / towers;

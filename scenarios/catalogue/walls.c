@@ -1,4 +1,4 @@
-/* A brick wall in running bond along x, at rest and hit by a ball.
+/* Brick walls in running bond: one along x, at rest and hit by a ball, and houses of four.
  *
  * Bricks of 1 x 0.5 x 0.5 m and 1 kg touch exactly. Brick c of an even row has its centre at x = c;
  * odd rows are moved by half a brick, with a half brick of 0.5 kg at either end. So the wall goes
@@ -83,6 +83,83 @@ const pl_scenario pl_scenario_wall = {
     PL_ACCEPT_AT_REST,
     PL_PARAMS(wall_params),
     .build = wall_build};
+
+/* A city of houses, each of four brick walls of equal length that are bonded at their corners.
+ *
+ * In a row each wall has `columns` whole bricks. It begins at a corner of the house and ends half a
+ * brick, its thickness, before the other one, which belongs to the next wall. So the house is
+ * columns + 1/2 m long and wide. From row to row the two corners of a wall change their roles, which
+ * moves its bricks by half a brick: the running bond of the wall above, without half bricks. Every
+ * brick lies over its whole length on the row below, so that it stands by statics. */
+
+enum { CITY_HOUSES, CITY_ROWS, CITY_COLUMNS, CITY_FRICTION };
+enum { MOST_BRICKS = 100000 };
+
+static const double street = 2; /* m, between two houses */
+
+static const pl_param city_params[] = {
+    {"houses", 4, 1, 25000, true, "1", "of four walls; all together have at most 100000 bricks"},
+    PL_PARAM_ROWS(6),
+    PL_PARAM_COLUMNS(3),
+    PL_PARAM_FRICTION,
+    PL_PARAM_TIME(10),
+};
+
+/* Adds row `row` of the house whose corner of least x and y is there. */
+static void build_ring(pl_builder *b, int house, int row, int columns, double x, double y)
+{
+    const double long_half = brick_length / 2, half = brick_height / 2;
+    for (int i = 0; i < 4 * columns; ++i) {
+        /* The walls in the order of a walk around the house: south, east, north, west. */
+        const int wall = i / columns;
+        const bool along_x = wall % 2 == 0, far_side = wall == 1 || wall == 2;
+        const bool moved = (wall >= 2) != (row % 2 == 1);
+        const double along = (i % columns + (moved ? 1 : 0.5)) * brick_length;
+        const double across = half + (far_side ? columns * brick_length : 0);
+        const pl_shape shape =
+            pl_shape_box(along_x ? long_half : half, along_x ? half : long_half, half);
+        const pl_body brick =
+            pl_body_at(shape, x + (along_x ? along : across), y + (along_x ? across : along),
+                       (row + 0.5) * brick_height);
+        pl_build_rest(b, pl_build_body(b, &brick, "brick %d.%d.%d", house + 1, row + 1, i + 1));
+    }
+}
+
+static void city_build(pl_builder *b, const double *values)
+{
+    const int houses = (int)values[CITY_HOUSES], rows = (int)values[CITY_ROWS];
+    const int columns = (int)values[CITY_COLUMNS];
+    if ((double)houses * rows * columns * 4 > MOST_BRICKS) {
+        pl_build_refuse(b, "expected at most %d bricks, found 4 * houses * rows * columns = %.0f",
+                        MOST_BRICKS, (double)houses * rows * columns * 4);
+        return;
+    }
+    const double pitch = columns * brick_length + brick_height + street;
+    int side = 1;
+    while (side * side < houses) {
+        ++side;
+    }
+    pl_build_floor(b);
+    b->scene->collapse_distance = brick_height / 2;
+    for (int i = 0; i < houses * rows; ++i) {
+        const int house = i / rows, column = house % side, line = house / side;
+        build_ring(b, house, i % rows, columns, column * pitch, line * pitch);
+    }
+}
+
+const pl_scenario pl_scenario_city = {
+    .name = "city",
+    .title = "City of brick walls",
+    .description = "Houses of four brick walls that are bonded at their corners, on one floor, at "
+                   "rest: many walls at once, each with closed loops of contacts in itself and "
+                   "around the house.",
+    .reference = "every brick stays where it is",
+    .expected = "ok: every brick of every house at rest where it began",
+    .source = "statics",
+    .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
+    PL_PARAMS(city_params),
+    .build = city_build};
 
 /* A brick wall hit by a heavy ball.
  *

@@ -136,6 +136,8 @@ static void test_needs_are_those_of_the_default_scene(void **state)
         {"rain", "friction restitution rotation plane sphere"},
         {"spinning-coin", "friction rotation plane cylinder"},
         {"overlapping-start", "friction rotation plane sphere box"},
+        {"city", "friction rotation plane box"},
+        {"avalanche", "friction rotation plane hull"},
     };
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);

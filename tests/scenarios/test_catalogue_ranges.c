@@ -97,7 +97,8 @@ static const char *const refused[] = {
     "slope-stick friction=0",   "slope-stick angle=1.2",      "slope-slide friction=1.9",
     "slope-slide angle=0",      "roll-slope friction=0",      "roll-slope angle=0",
     "roll-slope angle=1.5",     "carried-balls push=1",       "carried-balls friction=0.5",
-    "reaction-split height=20", "reaction-split friction=10", "spinning-coin path=100"};
+    "reaction-split height=20", "reaction-split friction=10", "spinning-coin path=100",
+    "multi-tower k=100",        "city houses=25000"};
 
 static void test_one_extreme_parameter_builds_or_gives_reason(void **state)
 {

@@ -42,7 +42,7 @@ static void test_every_chaotic_scenario_has_statistics(void **state)
             assert_int_equal(statistics_of(scenarios[i]->name, NULL, 0, 0), 0);
         }
     }
-    assert_int_equal(chaotic, 10);
+    assert_int_equal(chaotic, 11);
 }
 
 static void test_other_seeds_draw_another_scene(void **state)

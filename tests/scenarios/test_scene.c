@@ -316,7 +316,7 @@ static void test_default_scene_with_a_body_is_valid(void **state)
     pl_scene scene = pl_scene_default();
     pl_error error = {.message = ""};
     assert_int_equal(pl_scene_validate(&scene, &error), PL_BAD_INPUT);
-    assert_string_equal(error.message, "bodies: expected 1 to 100000 bodies, found 0");
+    assert_string_equal(error.message, "bodies: expected 1 to 200000 bodies, found 0");
     scene = make_scene();
     assert_int_equal(pl_scene_validate(&scene, &error), PL_OK);
     pl_scene_free(&scene);

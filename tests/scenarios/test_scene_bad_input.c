@@ -396,7 +396,7 @@ static void test_more_bodies_than_allowed_are_refused(void **state)
             i == 0 ? "" : ",", i);
     }
     strcpy(end, "]}");
-    check_message(text, 1, 30, "bodies", "1 to 100000 bodies, found 100001");
+    check_message(text, 1, 30, "bodies", "1 to 200000 bodies, found 200001");
     free(text);
 }
 

@@ -20,7 +20,7 @@
 /* Limits of a scene. */
 enum {
     PL_MAX_MATERIALS = 256,       /* materials */
-    PL_MAX_BODIES = 100000,       /* bodies */
+    PL_MAX_BODIES = 200000,       /* bodies */
     PL_MAX_STEPS = 10000000,      /* steps of a run */
     PL_MAX_SCENE_BYTES = 64 << 20 /* bytes of a scene file */
 };
