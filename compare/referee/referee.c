@@ -40,6 +40,7 @@ struct pl_referee {
     pl_ending ended;  /* what ended the run early, with its reason */
     pl_error reason;
     pl_candidate_pairs *pairs;
+    pl_thread_pool *pool; /* the caller's; NULL: none */
     pl_touching *touching;
     pl_mechanics *mechanics;
     pl_contact_force *force;
@@ -107,7 +108,7 @@ static pl_ending conclude(pl_referee *r, pl_ending ending, pl_error *error)
 static void see_pairs(pl_referee *r, const pl_body_state *bodies)
 {
     pl_touching_begin(r->touching, r->done);
-    pl_candidate_pairs_each(r->pairs, bodies, pl_touching_see, r->touching);
+    pl_candidate_pairs_each(r->pairs, bodies, r->pool, pl_touching_see, r->touching);
     pl_touching_end(r->touching);
 }
 

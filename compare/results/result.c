@@ -273,6 +273,24 @@ static json_t *metrics_json(const pl_metrics *metrics)
     return object;
 }
 
+void pl_pose_of(const pl_body_state *body, double pose[PL_POSE_NUMBERS])
+{
+    memcpy(pose, body->position, sizeof body->position);
+    memcpy(pose + 3, body->orientation, sizeof body->orientation);
+}
+
+json_t *pl_pose_to_json(const double pose[PL_POSE_NUMBERS])
+{
+    json_t *row = json_array();
+    for (int i = 0; i < PL_POSE_NUMBERS; ++i) {
+        if (json_array_append_new(row, json_real(pose[i])) != 0) {
+            json_decref(row);
+            return NULL;
+        }
+    }
+    return row;
+}
+
 static json_t *poses_json(const pl_body_state *bodies, int body_count)
 {
     if (bodies == NULL) {
@@ -280,10 +298,9 @@ static json_t *poses_json(const pl_body_state *bodies, int body_count)
     }
     json_t *poses = json_array();
     for (int i = 0; i < body_count; ++i) {
-        const double *x = bodies[i].position;
-        const double *q = bodies[i].orientation;
-        json_t *row = json_pack("[f, f, f, f, f, f, f]", x[0], x[1], x[2], q[0], q[1], q[2], q[3]);
-        if (json_array_append_new(poses, row) != 0) {
+        double pose[PL_POSE_NUMBERS];
+        pl_pose_of(&bodies[i], pose);
+        if (json_array_append_new(poses, pl_pose_to_json(pose)) != 0) {
             json_decref(poses);
             return NULL;
         }

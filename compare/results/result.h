@@ -94,6 +94,15 @@ typedef struct pl_run_result {
 /* The keys outcome, reason, note, steps, substeps, read_back, metrics, final_poses. */
 json_t *pl_run_result_to_json(const pl_run_result *result);
 
+/* The numbers of a row of final_poses: x, y, z, qw, qx, qy, qz. */
+enum { PL_POSE_NUMBERS = 7 };
+
+/* The row of a body, m. */
+void pl_pose_of(const pl_body_state *body, double pose[PL_POSE_NUMBERS]);
+
+/* The same as JSON. */
+json_t *pl_pose_to_json(const double pose[PL_POSE_NUMBERS]);
+
 /* The keys host, plumb, command: this machine, this build, this call. */
 json_t *pl_provenance(int argc, char *const *argv);
 

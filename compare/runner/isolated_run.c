@@ -11,11 +11,17 @@
 #include <sys/mman.h>
 #include <sys/wait.h>
 
-/* In the child: the result as JSON is the answer. */
+/* In the child: the result as JSON is the answer, with the number of final poses in the place of
+ * these; they follow as doubles, since of many bodies they are nearly all of it. */
 static pl_status answer_result(const pl_run_result *result, void *user, pl_error *error)
 {
     FILE *answer = user;
-    json_t *object = pl_run_result_to_json(result);
+    pl_run_result short_result = *result;
+    short_result.bodies = NULL;
+    json_t *object = pl_run_result_to_json(&short_result);
+    if (result->bodies != NULL) {
+        json_object_set_new(object, "final_poses", json_integer(result->body_count));
+    }
     char *line = object == NULL ? NULL : pl_result_to_line(object);
     json_decref(object);
     if (line == NULL) {
@@ -23,7 +29,50 @@ static pl_status answer_result(const pl_run_result *result, void *user, pl_error
     }
     fputs(line, answer);
     free(line);
+    for (int i = 0; i < result->body_count && result->bodies != NULL; ++i) {
+        double pose[PL_POSE_NUMBERS];
+        pl_pose_of(&result->bodies[i], pose);
+        fwrite(pose, sizeof pose, 1, answer);
+    }
     return PL_OK;
+}
+
+/* The final poses from what followed the JSON of an answer. NULL: that is not all of them. */
+static json_t *read_poses(const char *bytes, size_t length, json_int_t count)
+{
+    double pose[PL_POSE_NUMBERS];
+    if (count < 0 || (size_t)count != length / sizeof pose || length % sizeof pose != 0) {
+        return NULL;
+    }
+    json_t *poses = json_array();
+    for (json_int_t i = 0; i < count; ++i) {
+        memcpy(pose, bytes + (size_t)i * sizeof pose, sizeof pose);
+        if (json_array_append_new(poses, pl_pose_to_json(pose)) != 0) {
+            json_decref(poses);
+            return NULL;
+        }
+    }
+    return poses;
+}
+
+/* In the parent: the outcome that the child answered; NULL where it is not whole. */
+static json_t *read_answer(const pl_process *process)
+{
+    json_error_t place;
+    json_t *outcome =
+        json_loadb(process->text, process->text_length, JSON_DISABLE_EOF_CHECK, &place);
+    const json_t *count = json_object_get(outcome, "final_poses");
+    if (outcome == NULL || !json_is_integer(count)) {
+        return outcome;
+    }
+    const size_t end = (size_t)place.position;
+    json_t *poses =
+        read_poses(process->text + end, process->text_length - end, json_integer_value(count));
+    if (json_object_set_new(outcome, "final_poses", poses) != 0) {
+        json_decref(outcome);
+        return NULL;
+    }
+    return outcome;
 }
 
 /* In the child: what kept the run from being made is the answer {"error": message}. Memory that ran
@@ -196,7 +245,7 @@ pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_
     const pl_process *process = &run->process;
     pl_status status = PL_OK;
     /* A whole answer is a whole run; one cut short does not parse. */
-    json_t *outcome = json_loadb(process->text, process->text_length, 0, NULL);
+    json_t *outcome = read_answer(process);
     if (!json_is_object(outcome) || !was_reported(run)) {
         json_decref(outcome);
         outcome = missing_outcome(run);

@@ -17,6 +17,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Room for contacts; more make the array grow. */
+enum { CONTACTS_PER_BODY = 16 };
+
 /* Two frames: the new one, and the last good one. */
 typedef struct run {
     const pl_run_def *def;
@@ -107,7 +110,7 @@ static pl_status prepare(run *r, pl_error *error)
 {
     const pl_scene *scene = r->def->scene;
     size_t count = (size_t)scene->body_count;
-    r->contact_capacity = 64 + 32 * scene->body_count;
+    r->contact_capacity = 64 + CONTACTS_PER_BODY * scene->body_count;
     r->frame = (pl_frame){.body_count = scene->body_count};
     r->good = r->frame;
     r->frame.bodies = allocate_touched(count, sizeof *r->frame.bodies);
