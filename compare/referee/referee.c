@@ -163,7 +163,8 @@ static void see_mechanics(pl_referee *r, const pl_step_observation *seen)
                     .after = seen->frame->bodies,
                     .contacts = seen->contacts,
                     .times = seen->contact_times,
-                    .contact_count = seen->contact_count};
+                    .contact_count = seen->contact_count,
+                    .pool = r->pool};
     if (step.contact_count < 0 && r->no_contacts_step == 0) {
         r->no_contacts_step = r->done;
     }

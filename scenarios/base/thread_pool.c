@@ -21,17 +21,23 @@ struct pl_thread_pool {
     unsigned long job; /* the number of the call */
     int busy;          /* threads that have not ended the present job */
     /* Written before a job begins: */
-    int pieces;
-    void (*work)(void *context, int piece);
+    int items, length, pieces;
+    void (*work)(void *context, int begin, int end);
     void *context;
     atomic_int next; /* piece to begin */
 };
+
+static int end_of(int begin, int length, int count)
+{
+    return count - begin < length ? count : begin + length;
+}
 
 static void take_pieces(pl_thread_pool *pool)
 {
     for (int i = atomic_fetch_add(&pool->next, 1); i < pool->pieces;
          i = atomic_fetch_add(&pool->next, 1)) {
-        pool->work(pool->context, i);
+        const int begin = i * pool->length;
+        pool->work(pool->context, begin, end_of(begin, pool->length, pool->items));
     }
 }
 
@@ -105,17 +111,19 @@ void pl_thread_pool_destroy(pl_thread_pool *pool)
     free(pool);
 }
 
-void pl_thread_pool_run(pl_thread_pool *pool, int count, void (*work)(void *context, int piece),
-                        void *context)
+void pl_thread_pool_run(pl_thread_pool *pool, int count, int length,
+                        void (*work)(void *context, int begin, int end), void *context)
 {
-    if (pool == NULL || count < 2) {
-        for (int i = 0; i < count; ++i) {
-            work(context, i);
+    if (pool == NULL || count <= length) {
+        for (int begin = 0; begin < count; begin = end_of(begin, length, count)) {
+            work(context, begin, end_of(begin, length, count));
         }
         return;
     }
     pthread_mutex_lock(&pool->lock);
-    pool->pieces = count;
+    pool->items = count;
+    pool->length = length;
+    pool->pieces = (count - 1) / length + 1;
     pool->work = work;
     pool->context = context;
     atomic_store(&pool->next, 0);

@@ -16,10 +16,12 @@ pl_thread_pool *pl_thread_pool_create(int threads);
 /* Ends the threads. `pool` may be NULL. */
 void pl_thread_pool_destroy(pl_thread_pool *pool);
 
-/* Calls work(context, piece) once for each piece from 0 to before `count`, in any order, and returns
- * when all calls have. Without a pool (NULL) this thread makes all calls, in order. */
-void pl_thread_pool_run(pl_thread_pool *pool, int count, void (*work)(void *context, int piece),
-                        void *context);
+/* Cuts `count` items into pieces of `length`, the last of which may be shorter, and calls
+ * work(context, begin, end) once for each piece, in any order, with its first item and the one after
+ * its last. Returns when all calls have. Without a pool (NULL) this thread makes all calls, in
+ * order. */
+void pl_thread_pool_run(pl_thread_pool *pool, int count, int length,
+                        void (*work)(void *context, int begin, int end), void *context);
 
 /* The CPUs that this process may use (sched_getaffinity(2)), at least 1. */
 int pl_usable_cpus(void);

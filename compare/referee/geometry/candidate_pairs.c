@@ -212,10 +212,8 @@ static void keep_pair(void *context, int a, int b)
 }
 
 /* Keeps the pairs of a piece as long as those of whole rows fit. */
-static void fill_piece(void *context, int index)
+static void fill_piece(const frame *f, pair_piece *piece)
 {
-    const frame *f = context;
-    pair_piece *piece = &f->pairs->pieces[index];
     piece_of_frame work = {f, piece};
     piece->count = 0;
     piece->full = false;
@@ -226,6 +224,14 @@ static void fill_piece(void *context, int index)
             piece->count = before;
             return;
         }
+    }
+}
+
+static void fill_pieces(void *context, int begin, int end)
+{
+    const frame *f = context;
+    for (int i = begin; i < end; ++i) {
+        fill_piece(f, &f->pairs->pieces[i]);
     }
 }
 
@@ -264,7 +270,7 @@ void pl_candidate_pairs_each(pl_candidate_pairs *p, const pl_body_state *bodies,
             row = rows - row < p->rows_per_piece ? rows : row + p->rows_per_piece;
             p->pieces[i].end = row;
         }
-        pl_thread_pool_run(pool, PIECES, fill_piece, &f);
+        pl_thread_pool_run(pool, PIECES, 1, fill_pieces, &f);
         for (int i = 0; i < PIECES; ++i) {
             const pair_piece *piece = &p->pieces[i];
             for (int k = 0; k < piece->count; ++k) {
