@@ -126,6 +126,11 @@ void pl_referee_set_engine(pl_referee *referee, const pl_referee_engine *engine)
     pl_values_set_engine(referee->values, engine);
 }
 
+void pl_referee_set_threads(pl_referee *referee, pl_thread_pool *pool)
+{
+    referee->pool = pool;
+}
+
 pl_ending pl_referee_start(pl_referee *r, const pl_frame *frame)
 {
     pl_ending ending = pl_check_finite(r->scene, frame->bodies, 0, &r->reason);

@@ -3,6 +3,7 @@
 #include "result.h"
 
 #include "base/hash.h"
+#include "base/thread_pool.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -197,6 +198,8 @@ json_t *pl_run_identity(const pl_run_view *run)
     failed |= json_object_set_new(identity, "engine_spec", spec_json(run));
     failed |= json_object_set_new(identity, "engine_runtime",
                                   json_string(pl_engine_runtime(run->engine)));
+    failed |= json_object_set_new(identity, "threads",
+                                  json_integer(pl_engine_threads(run->engine, run->options)));
     failed |= json_object_set_new(identity, "as_shipped", json_boolean(is_as_shipped(run)));
     failed |=
         json_object_set_new(identity, "conformance", pl_conformance_to_json(&run->conformance));
@@ -380,9 +383,10 @@ static json_t *host_json(void)
     snprintf(kernel_and_os, sizeof kernel_and_os, "%s%s%s %s", os, os[0] == '\0' ? "" : ", ",
              kernel.sysname, kernel.release);
     const char *processor = cpu[0] != '\0' ? cpu : kernel.machine;
-    return json_pack("{s:o, s:o, s:s, s:s}", "cpu", pl_json_text(processor, strlen(processor)),
-                     "os", pl_json_text(kernel_and_os, strlen(kernel_and_os)), "compiler",
-                     PLUMB_COMPILER, "flags", PLUMB_FLAGS);
+    return json_pack("{s:o, s:i, s:o, s:s, s:s}", "cpu", pl_json_text(processor, strlen(processor)),
+                     "cpus", pl_usable_cpus(), "os",
+                     pl_json_text(kernel_and_os, strlen(kernel_and_os)), "compiler", PLUMB_COMPILER,
+                     "flags", PLUMB_FLAGS);
 }
 
 json_t *pl_provenance(int argc, char *const *argv)

@@ -58,7 +58,7 @@ typedef struct pl_run_view {
 /* As in results: {"outcome", "checks", "failed", "plumb"}, or null where nothing is known. */
 json_t *pl_conformance_to_json(const pl_conformance *conformance);
 
-/* The keys from `scenario` to `repeat`, `engine_spec`, `as_shipped` and `conformance`, and `run`: the
+/* The keys from `scenario` to `repeat`, `engine_spec`, `threads`, `as_shipped` and `conformance`, and `run`: the
  * hash of those that identify the run. */
 json_t *pl_run_identity(const pl_run_view *run);
 

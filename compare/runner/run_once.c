@@ -20,11 +20,15 @@
 /* Room for contacts; more make the array grow. */
 enum { CONTACTS_PER_BODY = 16 };
 
+/* Bodies from which on the referee's work is worth several threads. */
+enum { MANY_BODIES = 1000 };
+
 /* Two frames: the new one, and the last good one. */
 typedef struct run {
     const pl_run_def *def;
     pl_session session;
     pl_referee *referee;
+    pl_thread_pool *pool; /* sleeps while the engine is called */
     pl_frame frame, good;
     bool has_good;
     pl_contact *contacts;
@@ -120,6 +124,10 @@ static pl_status prepare(run *r, pl_error *error)
         return pl_fail(error, PL_NO_MEMORY, "out of memory");
     }
     pl_status status = pl_referee_create(scene, &r->referee, error);
+    if (status == PL_OK && scene->body_count >= MANY_BODIES) {
+        r->pool = pl_thread_pool_create(r->def->referee_threads);
+        pl_referee_set_threads(r->referee, r->pool);
+    }
     if (status == PL_OK && r->def->trajectory != NULL) {
         status = write_header(r->def->trajectory, error);
     }
@@ -396,6 +404,7 @@ cleanup:
     pl_positions_end(&r.positions);
     pl_recorder_end(&r.recorder);
     pl_referee_destroy(r.referee);
+    pl_thread_pool_destroy(r.pool);
     free(r.frame.bodies);
     free(r.good.bodies);
     free(r.contacts);

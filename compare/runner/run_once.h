@@ -38,6 +38,7 @@ typedef struct pl_run_def {
     /* s of CPU time: a run of which create, steps and reads have taken more is not gone on with. A
      * call that does not return is ended by isolated_run.h. 0: no limit */
     double cpu_limit;
+    int referee_threads; /* that share the referee's work where the scene is large; below 2: one */
     pl_run_watch *watch;
 } pl_run_def;
 

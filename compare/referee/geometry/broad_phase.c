@@ -20,7 +20,8 @@ enum {
     MOST_SHARED = 128,  /* boxes that one box may find in its columns */
     MOST_COLUMNS = 64,  /* of a box that is looked up in its columns */
     COLUMN_ENTRIES = 8, /* in all columns, for each box */
-    MOST_SHIFTS = 16    /* of an insertion sort, for each box */
+    MOST_SHIFTS = 16,   /* of an insertion sort, for each box */
+    PIECE = 512         /* boxes that are moved together */
 };
 
 /* Coordinate 0 is along the sort axis, 1 and 2 are across. */
@@ -245,16 +246,31 @@ pl_broad_phase *pl_broad_phase_create(const pl_scene *scene, pl_arena *arena)
     return arena->failed ? NULL : bp;
 }
 
-void pl_broad_phase_follow(pl_broad_phase *bp, const pl_body_state *bodies, const double *margin)
+/* Boxes on their way to new poses. */
+typedef struct moving {
+    pl_broad_phase *broad_phase;
+    const pl_body_state *bodies;
+    const double *margin;
+} moving;
+
+static void move_boxes(void *context, int begin, int end)
 {
-    for (int i = 0; i < bp->box_count; ++i) {
+    const moving *to = context;
+    const pl_broad_phase *bp = to->broad_phase;
+    for (int i = begin; i < end; ++i) {
         box *b = &bp->boxes[i];
         if (!b->is_static) {
-            const pl_body_state *state = &bodies[b->body];
+            const pl_body_state *state = &to->bodies[b->body];
             place_box(b, bp->axis, &bp->scene->bodies[b->body].shape, state->position,
-                      state->orientation, margin == NULL ? 0 : margin[b->body]);
+                      state->orientation, to->margin == NULL ? 0 : to->margin[b->body]);
         }
     }
+}
+
+void pl_broad_phase_follow(pl_broad_phase *bp, const pl_body_state *bodies, const double *margin,
+                           pl_thread_pool *pool)
+{
+    pl_thread_pool_run(pool, bp->box_count, PIECE, move_boxes, &(moving){bp, bodies, margin});
     restore_order(bp->boxes, bp->box_count);
     fill_columns(bp);
 }

@@ -3,6 +3,7 @@
 #define PLUMB_BROAD_PHASE_H
 
 #include "base/arena.h"
+#include "base/thread_pool.h"
 #include "plumb/engine_abi.h"
 #include "plumb/scene.h"
 
@@ -15,9 +16,10 @@ pl_broad_phase *pl_broad_phase_create(const pl_scene *scene, pl_arena *arena);
 
 /* Moves the boxes to new poses, (scene->body_count). `margin`, (scene->body_count) or NULL for
  * zeros, enlarges each dynamic body's box, m. Poses of dynamic bodies must be finite; static bodies
- * stay where the scene has them. The cost is that of sorting a nearly sorted list. */
+ * stay where the scene has them. The cost is that of sorting a nearly sorted list. `pool` may be
+ * NULL. */
 void pl_broad_phase_follow(pl_broad_phase *broad_phase, const pl_body_state *bodies,
-                           const double *margin);
+                           const double *margin, pl_thread_pool *pool);
 
 /* The number of rows into which the pairs of a frame are divided. */
 long pl_broad_phase_rows(const pl_broad_phase *broad_phase);

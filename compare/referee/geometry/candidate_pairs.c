@@ -262,7 +262,7 @@ void pl_candidate_pairs_each(pl_candidate_pairs *p, const pl_body_state *bodies,
 {
     frame f = {.pairs = p, .bodies = bodies, .see = see, .context = context};
     find_margins(&f);
-    pl_broad_phase_follow(p->broad_phase, bodies, p->margin);
+    pl_broad_phase_follow(p->broad_phase, bodies, p->margin, pool);
     const long rows = pl_broad_phase_rows(p->broad_phase);
     for (long row = 0; row < rows;) {
         for (int i = 0; i < PIECES; ++i) {
