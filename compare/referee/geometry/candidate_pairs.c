@@ -65,7 +65,7 @@ static bool make_surfaces(const pl_scene *scene, pl_arena *arena, const pl_surfa
 static const double RESTING_GAP = 1e-3; /* of the smaller bounding radius */
 
 enum {
-    PIECES = 16,     /* that are worked on together */
+    PIECES = 64,     /* that are worked on together */
     MOST_ROWS = 256, /* of the broad phase in a piece */
     ROW_PAIRS = 8    /* that fit into a piece, for each row */
 };

@@ -123,18 +123,19 @@ typedef struct rounding {
     double energy, momentum, angular;
 } rounding;
 
-/* An impulse of gravity or of a contact. Such parts are found by several threads, and then added in
- * the order of bodies and contacts. */
+/* An impulse of gravity or of a contact, and what it adds to the sums of all bodies. Such parts are
+ * found by several threads, and then added in the order of bodies and contacts. */
 typedef struct part {
     bool is_none;     /* nothing is to be added */
     bool is_external; /* otherwise only its rounding counts */
     bool is_contact;  /* with a static body */
     pl_vec impulse, torque;
-    pl_vec points[PL_POSITION_RULE_COUNT]; /* where it acts */
-    pl_vec reported;                       /* where it is reported, for its rounding */
+    pl_vec moment[PL_POSITION_RULE_COUNT]; /* of the impulse, about the origin */
+    rounding blur;
 } part;
 
-enum { PIECE = 256, TOGETHER = 8 * PIECE /* parts */ };
+/* Parts that are found together. */
+enum { PIECE = 512, MOST_TOGETHER = 64 * PIECE };
 
 struct pl_mechanics {
     const pl_scene *scene;
@@ -149,7 +150,8 @@ struct pl_mechanics {
     rounding blur;
     pl_integrator_votes votes;
     bool has_contact; /* with a static body, in some step */
-    part *parts;      /* (TOGETHER) */
+    part *parts;      /* (part_capacity) */
+    int part_capacity;
 };
 
 pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
@@ -164,7 +166,8 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
     m->turned = pl_arena_take(arena, count, sizeof *m->turned);
     m->has_own_time = pl_arena_take(arena, count, sizeof *m->has_own_time);
     m->mean_shift = pl_arena_take(arena, count, sizeof *m->mean_shift);
-    m->parts = pl_arena_take(arena, TOGETHER, sizeof *m->parts);
+    m->part_capacity = 4 * count < MOST_TOGETHER ? 4 * (int)count : MOST_TOGETHER;
+    m->parts = pl_arena_take(arena, (size_t)m->part_capacity, sizeof *m->parts);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         m->energy[k] = pl_arena_take(arena, count, sizeof *m->energy[k]);
         m->growth[k] = pl_arena_take(arena, count, sizeof *m->growth[k]);
@@ -237,11 +240,13 @@ static void measure(pl_mechanics *m, const pl_body_state *bodies)
     }
 }
 
-static void add_impulse_rounding(pl_mechanics *m, pl_vec point, pl_vec impulse)
+/* Adds what rounding explains of an impulse. */
+static void add_impulse_rounding(const pl_mechanics *m, pl_vec point, pl_vec impulse,
+                                 rounding *blur)
 {
     const double size = pl_step_rounding(&m->votes.engine) * pl_vec_length(impulse);
-    m->blur.momentum += size;
-    m->blur.angular += 2 * pl_vec_length(point) * size;
+    blur->momentum += size;
+    blur->angular += 2 * pl_vec_length(point) * size;
 }
 
 static void add_impulse(pl_mechanics *m, pl_position_rule k, pl_vec point, pl_vec impulse)
@@ -277,9 +282,10 @@ static double arm_share(const pl_mechanics *m, int body, const pl_step *step, pl
     return size > 0 ? 1 - fmin(fmax(c, 0), 1) : usual;
 }
 
-/* Sets the points of an external impulse on a body that is at `reported` at the start of the step.
- */
-static void place_impulse(const pl_mechanics *m, int body, const pl_step *step, part *p)
+/* Finds the moments of a part's impulse, which acts on a body that is at `point` at the start of the
+ * step. */
+static void find_moments(const pl_mechanics *m, int body, const pl_step *step, pl_vec point,
+                         part *p)
 {
     const double usual[PL_POSITION_RULE_COUNT] = {
         [PL_SEMI_IMPLICIT] = pl_later_share(&m->votes.engine), [PL_SECOND_ORDER] = 0.5};
@@ -288,25 +294,28 @@ static void place_impulse(const pl_mechanics *m, int body, const pl_step *step, 
         [PL_SEMI_IMPLICIT] = moved, [PL_SECOND_ORDER] = pl_vec_sub(moved, m->turned[body])};
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         const double share = arm_share(m, body, step, straight[k], usual[k]);
-        p->points[k] = pl_vec_mad(p->reported, share, moved);
+        p->moment[k] = pl_vec_cross(pl_vec_mad(point, share, moved), p->impulse);
     }
 }
 
-/* Sets the points of an impulse that acted where it is reported. */
-static void place_impulse_there(part *p)
+/* The same of an impulse that acted where it is reported. */
+static void find_moments_there(pl_vec point, part *p)
 {
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        p->points[k] = p->reported;
+        p->moment[k] = pl_vec_cross(point, p->impulse);
     }
 }
 
 static void add_part(pl_mechanics *m, const part *p)
 {
+    external *given = &m->given;
     m->has_contact = m->has_contact || p->is_contact;
-    add_impulse_rounding(m, p->reported, p->impulse);
+    m->blur.momentum += p->blur.momentum;
+    m->blur.angular += p->blur.angular;
     for (int k = 0; k < PL_POSITION_RULE_COUNT && p->is_external; ++k) {
-        add_impulse(m, (pl_position_rule)k, p->points[k], p->impulse);
-        m->given.angular[k] = pl_vec_add(m->given.angular[k], p->torque);
+        given->momentum[k] = pl_vec_add(given->momentum[k], p->impulse);
+        given->angular[k] = pl_vec_add(given->angular[k], p->moment[k]);
+        given->angular[k] = pl_vec_add(given->angular[k], p->torque);
     }
 }
 
@@ -334,7 +343,7 @@ static void add_parts(pl_mechanics *m, const pl_step *step, int count, find_part
 {
     part_work w = {m, step, find, 0};
     for (int left = count; left > 0; left = count - w.first) {
-        const int together = left < TOGETHER ? left : TOGETHER;
+        const int together = left < m->part_capacity ? left : m->part_capacity;
         pl_thread_pool_run(step->pool, together, PIECE, find_parts, &w);
         for (int i = 0; i < together; ++i) {
             if (!m->parts[i].is_none) {
@@ -400,13 +409,14 @@ static part gravity_on(const pl_mechanics *m, const pl_step *step, int i)
         return p;
     }
     p.impulse = pl_vec_scale(pl_vec_of(m->scene->gravity), body->mass * m->scene->dt);
-    p.reported = centre_of(m, step->before, i);
+    pl_vec point = centre_of(m, step->before, i);
     if (m->has_own_time[i]) {
-        p.reported = pl_vec_add(p.reported, m->mean_shift[i]);
-        place_impulse_there(&p);
+        point = pl_vec_add(point, m->mean_shift[i]);
+        find_moments_there(point, &p);
     } else {
-        place_impulse(m, i, step, &p);
+        find_moments(m, i, step, point, &p);
     }
+    add_impulse_rounding(m, point, p.impulse, &p.blur);
     return p;
 }
 
@@ -452,7 +462,7 @@ static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *ste
                                       point_velocity(before, after, moved, dt, 2, arm));
             add_work(m, PL_SEMI_IMPLICIT, force->body, pl_vec_dot(impulse, twice) / 2);
             const pl_vec mean = pl_vec_mad(centre, pl_later_share(&m->votes.engine), moved);
-            add_impulse_rounding(m, pl_vec_add(mean, arm), impulse);
+            add_impulse_rounding(m, pl_vec_add(mean, arm), impulse, &m->blur);
             add_impulse(m, PL_SEMI_IMPLICIT, pl_vec_add(mean, arm), impulse);
         }
         impulse = pl_vec_scale(impulse, NODE_WEIGHTS[i]);
@@ -471,14 +481,15 @@ static part impulse_of_contact(const pl_mechanics *m, const pl_step *step, int i
     const bool b_static = m->scene->bodies[contact->body_b].is_static;
     const double sign = a_static ? 1 : -1;
     part p = {.is_external = a_static != b_static, .is_contact = a_static != b_static};
-    p.reported = pl_vec_of(contact->point);
+    const pl_vec point = pl_vec_of(contact->point);
     p.impulse = pl_vec_scale(pl_vec_of(contact->impulse), sign);
     p.torque = pl_vec_scale(pl_vec_of(contact->torque), sign);
     if (p.is_external && is_at_own_time(time_of(step, i), m->scene->dt)) {
-        place_impulse_there(&p);
+        find_moments_there(point, &p);
     } else if (p.is_external) {
-        place_impulse(m, a_static ? contact->body_b : contact->body_a, step, &p);
+        find_moments(m, a_static ? contact->body_b : contact->body_a, step, point, &p);
     }
+    add_impulse_rounding(m, point, p.impulse, &p.blur);
     return p;
 }
 
