@@ -42,6 +42,7 @@ struct pl_contact_force {
     const pl_scene *scene;
     pl_contact_motion *motion;
     pl_arena *arena;
+    double gravity;                         /* m/s^2 */
     pl_vec *excess[PL_POSITION_RULE_COUNT]; /* each (body_count): impulses less their effect, N s */
     pl_axes *axes;                          /* (body_count): principal, before the step */
     double *slides; /* (capacity): friction_effective of a contact; NAN: it does not slide */
@@ -62,6 +63,7 @@ typedef struct touch {
     double friction, restitution;
     double normal_impulse, normal_velocity;
     pl_vec tangent_impulse, tangent_velocity;
+    bool has_mean_slip;
     pl_vec mean_slip;    /* the mean of both ends of the interval, where friction may act by it */
     double inverse_mass; /* 1/rho, 1/kg */
     double weight;       /* of the lighter body, times the step: N s */
@@ -88,6 +90,7 @@ pl_contact_force *pl_contact_force_create(const pl_scene *scene, pl_arena *arena
     }
     f->scene = scene;
     f->arena = arena;
+    f->gravity = pl_vec_length(pl_vec_of(scene->gravity));
     f->axes = pl_arena_take(arena, (size_t)scene->body_count, sizeof *f->axes);
     f->motion = pl_contact_motion_create(scene, arena);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
@@ -98,11 +101,6 @@ pl_contact_force *pl_contact_force_create(const pl_scene *scene, pl_arena *arena
     }
     (void)reserve(f, LEAST_CONTACTS + CONTACTS_PER_BODY * scene->body_count);
     return arena->failed ? NULL : f;
-}
-
-static double gravity_of(const pl_scene *scene)
-{
-    return pl_vec_length(pl_vec_of(scene->gravity));
 }
 
 /* The larger of both; a NaN in `b` counts as infinite, so that it is not lost. */
@@ -163,7 +161,7 @@ static void see_bodies(void *context, int begin, int end)
 static void see_balance(pl_contact_force *f, const pl_step *step)
 {
     const pl_scene *scene = f->scene;
-    double fall = scene->dt * gravity_of(scene);
+    double fall = scene->dt * f->gravity;
     if (fall == 0) {
         return;
     }
@@ -217,7 +215,7 @@ static void add_side(const pl_contact_force *f, int index, pl_vec arm, touch *t)
         pl_vec lever = pl_vec_cross(f->axes[index].axis[k], arm);
         t->inverse_mass += pl_vec_dot(lever, lever) / (3 * body->inertia[k]);
     }
-    t->weight = fmin(t->weight, body->mass * gravity_of(f->scene) * f->scene->dt);
+    t->weight = fmin(t->weight, body->mass * f->gravity * f->scene->dt);
 }
 
 /* Whether the impulse acted at the middle of its interval. */
@@ -260,7 +258,8 @@ static touch touch_of(const pl_contact_force *f, int i, const pl_contact_velocit
     /* A gap closes over an interval, not in the instant of an impact. */
     t.normal_velocity += dt > 0 ? fmax(contact->separation, 0) / dt : 0;
     t.tangent_velocity = pl_vec_reject(pl_vec_reject(velocity->left, at_end), n);
-    t.mean_slip = acts_at_middle(time) ? pl_vec_reject(velocity->mean, n) : t.tangent_velocity;
+    t.has_mean_slip = acts_at_middle(time);
+    t.mean_slip = pl_vec_reject(velocity->mean, n);
     return t;
 }
 
@@ -289,7 +288,8 @@ static double natural_map_at(const touch *t, pl_vec slip)
  * mean slip: the one is due where the slip stops, the other where it goes on. */
 static double natural_map(const touch *t)
 {
-    return fmin(natural_map_at(t, t->tangent_velocity), natural_map_at(t, t->mean_slip));
+    const double at_end = natural_map_at(t, t->tangent_velocity);
+    return t->has_mean_slip ? fmin(at_end, natural_map_at(t, t->mean_slip)) : at_end;
 }
 
 /* Friction of a contact that bears a load, in a scene with gravity. Returns its ratio to the normal
@@ -303,7 +303,7 @@ static double see_friction(const pl_contact_force *f, const touch *t, worst *mos
     double limit = t->friction * normal;
     most->cone = larger(most->cone, fmax(tangent - limit, 0) / limit);
     /* A contact that sticks may creep, but no faster than by what gravity adds in a step. */
-    const bool slides = pl_vec_length(t->tangent_velocity) > f->scene->dt * gravity_of(f->scene);
+    const bool slides = pl_vec_length(t->tangent_velocity) > f->scene->dt * f->gravity;
     return slides ? tangent / normal : (double)NAN;
 }
 

@@ -123,6 +123,12 @@ typedef struct rounding {
     double energy, momentum, angular;
 } rounding;
 
+/* How far the arms of impulses on a body move in a step, by each rule: share x moved, m. */
+typedef struct arm_shift {
+    pl_vec moved;
+    double share[PL_POSITION_RULE_COUNT];
+} arm_shift;
+
 /* An impulse of gravity or of a contact, and what it adds to the sums of all bodies. Such parts are
  * found by several threads, and then added in the order of bodies and contacts. */
 typedef struct part {
@@ -150,6 +156,7 @@ struct pl_mechanics {
     rounding blur;
     pl_integrator_votes votes;
     bool has_contact; /* with a static body, in some step */
+    arm_shift *arms;  /* (body_count): of dynamic bodies, in the step */
     part *parts;      /* (part_capacity) */
     int part_capacity;
 };
@@ -166,6 +173,7 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
     m->turned = pl_arena_take(arena, count, sizeof *m->turned);
     m->has_own_time = pl_arena_take(arena, count, sizeof *m->has_own_time);
     m->mean_shift = pl_arena_take(arena, count, sizeof *m->mean_shift);
+    m->arms = pl_arena_take(arena, count, sizeof *m->arms);
     m->part_capacity = 4 * count < MOST_TOGETHER ? 4 * (int)count : MOST_TOGETHER;
     m->parts = pl_arena_take(arena, (size_t)m->part_capacity, sizeof *m->parts);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
@@ -282,19 +290,25 @@ static double arm_share(const pl_mechanics *m, int body, const pl_step *step, pl
     return size > 0 ? 1 - fmin(fmax(c, 0), 1) : usual;
 }
 
-/* Finds the moments of a part's impulse, which acts on a body that is at `point` at the start of the
- * step. */
-static void find_moments(const pl_mechanics *m, int body, const pl_step *step, pl_vec point,
-                         part *p)
+static arm_shift arm_shift_of(const pl_mechanics *m, int body, const pl_step *step)
 {
     const double usual[PL_POSITION_RULE_COUNT] = {
         [PL_SEMI_IMPLICIT] = pl_later_share(&m->votes.engine), [PL_SECOND_ORDER] = 0.5};
-    const pl_vec moved = displacement(m, body, step);
+    arm_shift arm = {.moved = displacement(m, body, step)};
     const pl_vec straight[PL_POSITION_RULE_COUNT] = {
-        [PL_SEMI_IMPLICIT] = moved, [PL_SECOND_ORDER] = pl_vec_sub(moved, m->turned[body])};
+        [PL_SEMI_IMPLICIT] = arm.moved, [PL_SECOND_ORDER] = pl_vec_sub(arm.moved, m->turned[body])};
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        const double share = arm_share(m, body, step, straight[k], usual[k]);
-        p->moment[k] = pl_vec_cross(pl_vec_mad(point, share, moved), p->impulse);
+        arm.share[k] = arm_share(m, body, step, straight[k], usual[k]);
+    }
+    return arm;
+}
+
+/* Finds the moments of a part's impulse, which acts on a body that is at `point` at the start of the
+ * step. */
+static void find_moments(const arm_shift *arm, pl_vec point, part *p)
+{
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        p->moment[k] = pl_vec_cross(pl_vec_mad(point, arm->share[k], arm->moved), p->impulse);
     }
 }
 
@@ -401,6 +415,7 @@ static void find_mean_shifts(pl_mechanics *m, const pl_step *step)
     }
 }
 
+/* Finds the shift of the body's arms too, which its contacts use. */
 static part gravity_on(const pl_mechanics *m, const pl_step *step, int i)
 {
     const pl_body *body = &m->scene->bodies[i];
@@ -410,11 +425,12 @@ static part gravity_on(const pl_mechanics *m, const pl_step *step, int i)
     }
     p.impulse = pl_vec_scale(pl_vec_of(m->scene->gravity), body->mass * m->scene->dt);
     pl_vec point = centre_of(m, step->before, i);
+    m->arms[i] = arm_shift_of(m, i, step);
     if (m->has_own_time[i]) {
         point = pl_vec_add(point, m->mean_shift[i]);
         find_moments_there(point, &p);
     } else {
-        find_moments(m, i, step, point, &p);
+        find_moments(&m->arms[i], point, &p);
     }
     add_impulse_rounding(m, point, p.impulse, &p.blur);
     return p;
@@ -487,7 +503,7 @@ static part impulse_of_contact(const pl_mechanics *m, const pl_step *step, int i
     if (p.is_external && is_at_own_time(time_of(step, i), m->scene->dt)) {
         find_moments_there(point, &p);
     } else if (p.is_external) {
-        find_moments(m, a_static ? contact->body_b : contact->body_a, step, point, &p);
+        find_moments(&m->arms[a_static ? contact->body_b : contact->body_a], point, &p);
     }
     add_impulse_rounding(m, point, p.impulse, &p.blur);
     return p;
