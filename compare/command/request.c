@@ -1,6 +1,7 @@
 #include "request.h"
 
 #include "base/array.h"
+#include "base/thread_pool.h"
 #include "engines/registry.h"
 
 #include <math.h>
@@ -307,6 +308,22 @@ cleanup:
 }
 
 /* ---- Engines ---- */
+
+void pl_request_note_threads(const pl_call *call, const pl_plan *plan)
+{
+    const int cpus = pl_usable_cpus();
+    for (int i = 0; i < plan->configuration_count; ++i) {
+        const pl_configuration *c = &plan->configurations[i];
+        const int threads = pl_engine_threads(c->choice.engine, c->choice.values);
+        if (threads > cpus) {
+            fprintf(
+                stderr,
+                "%s: note: %s asks for %d threads, of which no more than %d can run at a time "
+                "here: its runs are made alone, and their wall times are those of so many CPUs\n",
+                call->argv[0], c->label, threads, cpus);
+        }
+    }
+}
 
 /* Reports an engine that is absent; any other failure stays one. */
 static pl_status pass_over(const pl_call *call, pl_status status, const pl_error *error)

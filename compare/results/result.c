@@ -5,6 +5,7 @@
 #include "base/hash.h"
 #include "base/thread_pool.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,6 +51,12 @@ const char *pl_result_runtime(const json_t *result)
 {
     const char *runtime = pl_json_get_text(result, "engine_runtime");
     return runtime[0] == '\0' || strcmp(runtime, "native") == 0 ? NULL : runtime;
+}
+
+int pl_result_threads(const json_t *result)
+{
+    const json_int_t threads = json_integer_value(json_object_get(result, "threads"));
+    return threads > 1 && threads < INT_MAX ? (int)threads : 1;
 }
 
 double pl_result_metric(const json_t *result, const char *name)

@@ -112,6 +112,9 @@ double pl_result_metric(const json_t *result, const char *name);
 /* What runs the engine's code, such as "webassembly"; NULL: it is native, and its times are ranked. */
 const char *pl_result_runtime(const json_t *result);
 
+/* The threads that the run asked its engine for; 1 in results that do not say. */
+int pl_result_threads(const json_t *result);
+
 /* A JSON number, or null for one that is not finite. */
 json_t *pl_json_number_or_null(double value);
 
