@@ -14,6 +14,8 @@
 #include "gap.h"
 #include "solid.h"
 
+#include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- Surfaces ---- */
@@ -24,37 +26,61 @@ static bool has_surface(const pl_shape *shape)
            shape->kind == PL_SHAPE_HULL || shape->kind == PL_SHAPE_MESH;
 }
 
-static bool same_surface(const pl_shape *a, const pl_shape *b)
+/* A body's shape, to be sorted. */
+typedef struct shape_of_body {
+    const pl_shape *shape;
+    int body;
+} shape_of_body;
+
+static int compare_numbers(double a, double b)
 {
-    return a->kind == b->kind && a->polyhedron == b->polyhedron &&
-           a->half_height == b->half_height && a->half_extents[0] == b->half_extents[0] &&
-           a->half_extents[1] == b->half_extents[1] && a->half_extents[2] == b->half_extents[2];
+    return (a > b) - (a < b);
+}
+
+/* 0 for shapes that have the same surface. */
+static int compare_surfaces(const pl_shape *a, const pl_shape *b)
+{
+    int order = (a->kind > b->kind) - (a->kind < b->kind);
+    if (order == 0) {
+        const uintptr_t p = (uintptr_t)a->polyhedron, q = (uintptr_t)b->polyhedron;
+        order = (p > q) - (p < q);
+    }
+    order = order == 0 ? compare_numbers(a->half_height, b->half_height) : order;
+    for (int k = 0; k < 3 && order == 0; ++k) {
+        order = compare_numbers(a->half_extents[k], b->half_extents[k]);
+    }
+    return order;
+}
+
+static int compare_shapes(const void *a, const void *b)
+{
+    return compare_surfaces(((const shape_of_body *)a)->shape, ((const shape_of_body *)b)->shape);
 }
 
 /* Makes the surfaces, (body_count), that bodies need to be measured against meshes. Equal shapes
  * share a surface. A scene without a mesh has none. */
 static bool make_surfaces(const pl_scene *scene, pl_arena *arena, const pl_surface **surfaces)
 {
-    int *firsts = pl_arena_take(arena, (size_t)scene->body_count, sizeof *firsts);
-    int count = 0; /* of firsts: the first bodies with their shapes */
     bool any_mesh = false;
     for (int i = 0; i < scene->body_count; ++i) {
         any_mesh = any_mesh || scene->bodies[i].shape.kind == PL_SHAPE_MESH;
     }
-    for (int i = 0; i < scene->body_count && any_mesh && !arena->failed; ++i) {
-        const pl_shape *shape = &scene->bodies[i].shape;
-        if (!has_surface(shape)) {
-            continue;
+    shape_of_body *list =
+        any_mesh ? pl_arena_take(arena, (size_t)scene->body_count, sizeof *list) : NULL;
+    int count = 0;
+    for (int i = 0; i < scene->body_count && list != NULL; ++i) {
+        if (has_surface(&scene->bodies[i].shape)) {
+            list[count++] = (shape_of_body){&scene->bodies[i].shape, i};
         }
-        int k = count - 1;
-        while (k >= 0 && !same_surface(&scene->bodies[firsts[k]].shape, shape)) {
-            --k;
-        }
-        if (k >= 0) {
-            surfaces[i] = surfaces[firsts[k]];
+    }
+    if (count > 0) {
+        qsort(list, (size_t)count, sizeof *list, compare_shapes);
+    }
+    for (int i = 0; i < count && !arena->failed; ++i) {
+        if (i > 0 && compare_surfaces(list[i - 1].shape, list[i].shape) == 0) {
+            surfaces[list[i].body] = surfaces[list[i - 1].body];
         } else {
-            (void)pl_surface_create(shape, arena, &surfaces[i]);
-            firsts[count++] = i;
+            (void)pl_surface_create(list[i].shape, arena, &surfaces[list[i].body]);
         }
     }
     return !arena->failed;
