@@ -37,16 +37,13 @@ static pl_status answer_result(const pl_run_result *result, void *user, pl_error
     return PL_OK;
 }
 
-/* The final poses from what followed the JSON of an answer. NULL: that is not all of them. */
-static json_t *read_poses(const char *bytes, size_t length, json_int_t count)
+/* The final poses, `count` of them. */
+static json_t *read_poses(const char *bytes, size_t count)
 {
-    double pose[PL_POSE_NUMBERS];
-    if (count < 0 || (size_t)count != length / sizeof pose || length % sizeof pose != 0) {
-        return NULL;
-    }
     json_t *poses = json_array();
-    for (json_int_t i = 0; i < count; ++i) {
-        memcpy(pose, bytes + (size_t)i * sizeof pose, sizeof pose);
+    for (size_t i = 0; i < count; ++i) {
+        double pose[PL_POSE_NUMBERS];
+        memcpy(pose, bytes + i * sizeof pose, sizeof pose);
         if (json_array_append_new(poses, pl_pose_to_json(pose)) != 0) {
             json_decref(poses);
             return NULL;
@@ -55,20 +52,25 @@ static json_t *read_poses(const char *bytes, size_t length, json_int_t count)
     return poses;
 }
 
-/* In the parent: the outcome that the child answered; NULL where it is not whole. */
+/* In the parent: the outcome that the child answered; NULL where it is not whole, and where something
+ * else is with it. */
 static json_t *read_answer(const pl_process *process)
 {
     json_error_t place;
     json_t *outcome =
         json_loadb(process->text, process->text_length, JSON_DISABLE_EOF_CHECK, &place);
-    const json_t *count = json_object_get(outcome, "final_poses");
-    if (outcome == NULL || !json_is_integer(count)) {
-        return outcome;
+    if (outcome == NULL) {
+        return NULL;
     }
-    const size_t end = (size_t)place.position;
-    json_t *poses =
-        read_poses(process->text + end, process->text_length - end, json_integer_value(count));
-    if (json_object_set_new(outcome, "final_poses", poses) != 0) {
+    const json_t *asked = json_object_get(outcome, "final_poses");
+    const size_t end = (size_t)place.position, length = process->text_length - end;
+    const size_t size = PL_POSE_NUMBERS * sizeof(double), count = length / size;
+    bool is_whole = length % size == 0 && json_integer_value(asked) == (json_int_t)count;
+    if (is_whole && json_is_integer(asked)) {
+        json_t *poses = read_poses(process->text + end, count);
+        is_whole = json_object_set_new(outcome, "final_poses", poses) == 0;
+    }
+    if (!is_whole) {
         json_decref(outcome);
         return NULL;
     }
@@ -113,6 +115,7 @@ pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, jso
     }
     run->def.watch = shared;
     run->def.cpu_limit = limits->cpu_time;
+    run->def.memory_limit = limits->memory;
     pl_timestamp(run->started);
     pl_status status = pl_process_start(&run->process, limits, run_and_answer, &run->def, error);
     if (status != PL_OK) {

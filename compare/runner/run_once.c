@@ -5,6 +5,7 @@
 
 #include "adapters/contact_problems.h"
 #include "base/array.h"
+#include "engines/process.h"
 #include "parameter_check.h"
 #include "positions.h"
 #include "recording.h"
@@ -377,6 +378,7 @@ pl_status pl_run_once(const pl_run_def *def,
     if (status != PL_OK) {
         goto cleanup;
     }
+    pl_process_limit_memory(def->memory_limit);
     r.session.timer = pl_call_timer_open();
     bool going = load(&r, &result);
     const pid_t measured = pl_process_engine_pid(); /* 0: this process */

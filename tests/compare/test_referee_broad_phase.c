@@ -1,5 +1,5 @@
 /* The referee's broad phase and candidate pairs against all pairs by their gaps. */
-#include "referee/geometry/broad_phase.h"
+#include "referee/geometry/box_sweep.h"
 #include "referee/geometry/candidate_pairs.h"
 #include "referee/geometry/gap.h"
 

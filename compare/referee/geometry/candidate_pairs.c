@@ -10,7 +10,7 @@
  * The first term is for bodies at rest, which engines keep a little apart. */
 #include "candidate_pairs.h"
 
-#include "broad_phase.h"
+#include "box_sweep.h"
 #include "gap.h"
 #include "solid.h"
 

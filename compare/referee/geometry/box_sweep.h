@@ -1,6 +1,6 @@
 /* The broad phase of the referee: the pairs of bodies whose bounding boxes overlap. */
-#ifndef PLUMB_BROAD_PHASE_H
-#define PLUMB_BROAD_PHASE_H
+#ifndef PLUMB_BOX_SWEEP_H
+#define PLUMB_BOX_SWEEP_H
 
 #include "base/arena.h"
 #include "base/thread_pool.h"
