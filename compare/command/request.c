@@ -91,8 +91,9 @@ const pl_option pl_limit_options[] = {
      "referee's time does not count (default: none)",
      PL_OPTION_NUMBER, .field = offsetof(pl_request, limits.cpu_time), .takes = "seconds",
      .min = 1e-3, .max = 1e6},
-    {"memory", "GIB", "Largest memory of a run in GiB (default 8; 0: no limit)", PL_OPTION_PARSED,
-     .parse = parse_memory},
+    {"memory", "GIB",
+     "Largest memory of a run in GiB, beyond that of the harness (default 8; 0: no limit)",
+     PL_OPTION_PARSED, .parse = parse_memory},
     {"profiles", "FILE",
      "Profiles that plumb tune saved, for --engine NAME:tuned (repeatable; they come before "
      "those of the environment variable PLUMB_PROFILES)",
@@ -116,7 +117,9 @@ const pl_option pl_comparison_options[] = {
     {0}};
 
 const pl_option pl_jobs_options[] = {
-    {"jobs", "N", "Runs at a time (default 1: runs at the same time disturb each other's times)",
+    {"jobs", "N",
+     "Runs at a time, as long as their engines have no more threads than there are CPUs (default "
+     "1: runs at the same time disturb each other's times)",
      PL_OPTION_INTEGER, .field = offsetof(pl_request, jobs), .min = 1, .max = 1024},
     {0}};
 

@@ -61,7 +61,7 @@ static void test_every_run_begins_at_last(void **state)
     for (int jobs = 1; jobs <= 5; ++jobs) {
         for (int cpus = 1; cpus <= 6; ++cpus) {
             pl_schedule s = {.jobs = jobs, .cpus = cpus};
-            int taken[64], first = 0, next = 0;
+            int taken[64] = {0}, first = 0, next = 0;
             while (next < 64) {
                 const int threads = 1 + next * 5 % 7;
                 if (pl_schedule_has_room(&s, threads)) {

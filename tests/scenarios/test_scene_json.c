@@ -36,7 +36,7 @@ static void test_text_that_is_no_json_is_refused(void **state)
     int refused = 0;
     for (size_t at = 0; at < length; ++at) {
         for (size_t k = 0; k < sizeof marks - 1; ++k) {
-            memcpy(text, sample_scene, length);
+            memcpy(text, sample_scene, length + 1);
             text[at] = marks[k];
             json_t *json = json_loadb(text, length, JSON_REJECT_DUPLICATES, NULL);
             pl_scene scene;

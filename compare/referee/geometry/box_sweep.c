@@ -267,12 +267,13 @@ static void move_boxes(void *context, int begin, int end)
     }
 }
 
-void pl_broad_phase_follow(pl_broad_phase *bp, const pl_body_state *bodies, const double *margin,
-                           pl_thread_pool *pool)
+void pl_broad_phase_follow(pl_broad_phase *broad_phase, const pl_body_state *bodies,
+                           const double *margin, pl_thread_pool *pool)
 {
-    pl_thread_pool_run(pool, bp->box_count, PIECE, move_boxes, &(moving){bp, bodies, margin});
-    restore_order(bp->boxes, bp->box_count);
-    fill_columns(bp);
+    pl_thread_pool_run(pool, broad_phase->box_count, PIECE, move_boxes,
+                       &(moving){broad_phase, bodies, margin});
+    restore_order(broad_phase->boxes, broad_phase->box_count);
+    fill_columns(broad_phase);
 }
 
 /* ---- Pairs ---- */
@@ -366,31 +367,31 @@ static void see_box(const pl_broad_phase *bp, int index,
     }
 }
 
-long pl_broad_phase_rows(const pl_broad_phase *bp)
+long pl_broad_phase_rows(const pl_broad_phase *broad_phase)
 {
-    return (long)bp->box_count * (1 + bp->plane_count);
+    return (long)broad_phase->box_count * (1 + broad_phase->plane_count);
 }
 
-void pl_broad_phase_see(const pl_broad_phase *bp, long begin, long end,
+void pl_broad_phase_see(const pl_broad_phase *broad_phase, long begin, long end,
                         void (*see)(void *context, int body_a, int body_b), void *context)
 {
     long cost = 0;
     for (long row = begin; row < end; ++row) {
-        const int index = (int)(row % bp->box_count);
-        const long plane = row / bp->box_count - 1;
+        const int index = (int)(row % broad_phase->box_count);
+        const long plane = row / broad_phase->box_count - 1;
         if (plane < 0) {
-            see_box(bp, index, see, context, &cost);
-        } else if (!bp->boxes[index].is_static) {
-            see(context, bp->planes[plane], bp->boxes[index].body);
+            see_box(broad_phase, index, see, context, &cost);
+        } else if (!broad_phase->boxes[index].is_static) {
+            see(context, broad_phase->planes[plane], broad_phase->boxes[index].body);
         }
     }
 }
 
-long pl_broad_phase_cost(const pl_broad_phase *bp)
+long pl_broad_phase_cost(const pl_broad_phase *broad_phase)
 {
     long cost = 0;
-    for (int i = 0; i < bp->box_count; ++i) {
-        see_box(bp, i, NULL, NULL, &cost);
+    for (int i = 0; i < broad_phase->box_count; ++i) {
+        see_box(broad_phase, i, NULL, NULL, &cost);
     }
     return cost;
 }
