@@ -22,7 +22,7 @@
 enum { CONTACTS_PER_BODY = 16 };
 
 /* Bodies from which on the referee's work is worth several threads. */
-enum { MANY_BODIES = 1000 };
+enum { MANY_BODIES = 2000 };
 
 /* Two frames: the new one, and the last good one. */
 typedef struct run {

@@ -324,7 +324,7 @@ static void run_profile(const char *spec, pl_run_result *finding, FILE *trajecto
 /* A wall that is hit: more bodies than one thread judges alone, with impacts and sliding. */
 static void build_hit_wall(pl_scene *scene)
 {
-    static const char *const settings[] = {"rows=30", "columns=40", "duration=0.1"};
+    static const char *const settings[] = {"rows=40", "columns=60", "duration=0.05"};
     double values[PL_MAX_PARAMS];
     const pl_scenario *scenario = pl_scenario_find("wall-collapse", NULL);
     assert_non_null(scenario);
