@@ -235,6 +235,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
         status = begin_references(o, plan, &r, &error);
     }
     if (status == PL_OK) {
+        pl_request_note_threads(call, plan);
         status = run_all(o, plan, store, provenance, recordings, &signal_number, &error);
     }
     free(recordings);

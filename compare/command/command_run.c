@@ -205,6 +205,7 @@ static int run(const pl_call *call)
         status = pl_plan_add_engine(&plan, o.request.engines.items[0], &error);
     }
     if (status == PL_OK) {
+        pl_request_note_threads(call, &plan);
         status = execute(call, &o, &plan, &result, &signal_number, &error);
     }
     if (status == PL_OK && signal_number == 0) {

@@ -159,6 +159,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
                                             .user = &k,
                                             .skip = skip,
                                             .keep = keep};
+        pl_request_note_threads(call, plan);
         status = pl_execute(&execution, &signal_number, &error);
     }
     if (status == PL_OK && signal_number != 0) {

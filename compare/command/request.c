@@ -1,6 +1,7 @@
 #include "request.h"
 
 #include "base/array.h"
+#include "base/thread_pool.h"
 #include "engines/registry.h"
 
 #include <math.h>
@@ -90,8 +91,9 @@ const pl_option pl_limit_options[] = {
      "referee's time does not count (default: none)",
      PL_OPTION_NUMBER, .field = offsetof(pl_request, limits.cpu_time), .takes = "seconds",
      .min = 1e-3, .max = 1e6},
-    {"memory", "GIB", "Largest memory of a run in GiB (default 8; 0: no limit)", PL_OPTION_PARSED,
-     .parse = parse_memory},
+    {"memory", "GIB",
+     "Largest memory of a run in GiB, beyond that of the harness (default 8; 0: no limit)",
+     PL_OPTION_PARSED, .parse = parse_memory},
     {"profiles", "FILE",
      "Profiles that plumb tune saved, for --engine NAME:tuned (repeatable; they come before "
      "those of the environment variable PLUMB_PROFILES)",
@@ -115,7 +117,9 @@ const pl_option pl_comparison_options[] = {
     {0}};
 
 const pl_option pl_jobs_options[] = {
-    {"jobs", "N", "Runs at a time (default 1: runs at the same time disturb each other's times)",
+    {"jobs", "N",
+     "Runs at a time, as long as their engines have no more threads than there are CPUs (default "
+     "1: runs at the same time disturb each other's times)",
      PL_OPTION_INTEGER, .field = offsetof(pl_request, jobs), .min = 1, .max = 1024},
     {0}};
 
@@ -307,6 +311,22 @@ cleanup:
 }
 
 /* ---- Engines ---- */
+
+void pl_request_note_threads(const pl_call *call, const pl_plan *plan)
+{
+    const int cpus = pl_usable_cpus();
+    for (int i = 0; i < plan->configuration_count; ++i) {
+        const pl_configuration *c = &plan->configurations[i];
+        const int threads = pl_engine_threads(c->choice.engine, c->choice.values);
+        if (threads > cpus) {
+            fprintf(
+                stderr,
+                "%s: note: %s asks for %d threads, of which no more than %d can run at a time "
+                "here: its runs are made alone, and their wall times are those of so many CPUs\n",
+                call->argv[0], c->label, threads, cpus);
+        }
+    }
+}
 
 /* Reports an engine that is absent; any other failure stays one. */
 static pl_status pass_over(const pl_call *call, pl_status status, const pl_error *error)

@@ -60,6 +60,9 @@ pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_erro
 pl_status pl_request_add_engines(const pl_call *call, const pl_request *request, pl_plan *plan,
                                  pl_error *error);
 
+/* Says on standard error which engines of the plan ask for more threads than this process has CPUs. */
+void pl_request_note_threads(const pl_call *call, const pl_plan *plan);
+
 /* Both: the cases, then the engines. */
 pl_status pl_request_plan(const pl_call *call, const pl_request *request, pl_plan *plan,
                           pl_error *error);

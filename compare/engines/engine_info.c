@@ -7,6 +7,7 @@
 #include "process.h"
 
 #include <fenv.h>
+#include <limits.h>
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -505,4 +506,10 @@ int pl_engine_profile_index(const pl_engine_info *info, const char *name)
 const double *pl_engine_profile_values(const pl_engine_info *info, int profile)
 {
     return info->defaults + (size_t)profile * (size_t)info->option_count;
+}
+
+int pl_engine_threads(const pl_engine_info *info, const double *values)
+{
+    const int option = pl_engine_option_index(info, "threads");
+    return option >= 0 && values[option] > 1 && values[option] < INT_MAX ? (int)values[option] : 1;
 }

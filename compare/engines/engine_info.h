@@ -71,6 +71,10 @@ int pl_engine_option_index(const pl_engine_info *info, const char *name);
 /* The index of the engine's profile of that name; -1 when it has none. */
 int pl_engine_profile_index(const pl_engine_info *info, const char *name);
 
+/* The threads that an engine is asked for by those values (option_count) of its options: that of
+ * its option `threads`, at least 1; 1 where it has none. */
+int pl_engine_threads(const pl_engine_info *info, const double *values);
+
 /* The values (option_count) of a profile. */
 const double *pl_engine_profile_values(const pl_engine_info *info, int profile);
 

@@ -32,14 +32,39 @@ double pl_monotonic_seconds(void)
  * an address sanitizer is larger than any limit. */
 static const bool can_limit_memory = !PL_ADDRESS_SANITIZER;
 
+/* The writable memory of this process, bytes; 0 where /proc does not have it. */
+static uint64_t own_memory(void)
+{
+    static const char key[] = "VmData:";
+    char line[256];
+    uint64_t bytes = 0;
+    FILE *file = fopen("/proc/self/status", "re");
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        if (strncmp(line, key, sizeof key - 1) == 0) {
+            bytes = 1024 * strtoull(line + sizeof key - 1, NULL, 10);
+        }
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return bytes;
+}
+
+void pl_process_limit_memory(uint64_t memory)
+{
+    struct rlimit limit;
+    if (can_limit_memory && memory != 0 && getrlimit(RLIMIT_DATA, &limit) == 0) {
+        const rlim_t most = own_memory() + memory;
+        limit.rlim_cur = most < limit.rlim_max ? most : limit.rlim_max;
+        setrlimit(RLIMIT_DATA, &limit);
+    }
+}
+
 static void limit_resources(const pl_limits *limits)
 {
     const struct rlimit none = {0, 0};
-    const struct rlimit memory = {limits->memory, limits->memory};
     setrlimit(RLIMIT_CORE, &none);
-    if (can_limit_memory && limits->memory != 0) {
-        setrlimit(RLIMIT_DATA, &memory);
-    }
+    pl_process_limit_memory(limits->memory);
 }
 
 static void restore_signals(void)

@@ -27,7 +27,7 @@ enum { PL_OUTPUT_TAIL = 2000, PL_PROCESS_POLLS = 3 };
 typedef struct pl_limits {
     double timeout;  /* s of wall time, > 0 */
     double cpu_time; /* s of CPU time of an engine's own calls (run_once.h); 0: no limit */
-    uint64_t memory; /* bytes that the process may have of its own; 0: no limit */
+    uint64_t memory; /* bytes that the process may take in its job; 0: no limit */
 } pl_limits;
 
 /* A child process. */
@@ -54,6 +54,10 @@ double pl_monotonic_seconds(void);
  * answer. PL_IO when no process or pipe can be made. */
 pl_status pl_process_start(pl_process *process, const pl_limits *limits,
                            void (*job)(void *user, FILE *answer), void *user, pl_error *error);
+
+/* In the child: limits the memory that is taken from now on to so many bytes, whatever the process has
+ * already; 0: no limit. A job may do so again. */
+void pl_process_limit_memory(uint64_t memory);
 
 /* Fills polls[PL_PROCESS_POLLS] with the events to wait for. */
 void pl_process_polls(const pl_process *process, struct pollfd *polls);

@@ -40,6 +40,7 @@ struct pl_referee {
     pl_ending ended;  /* what ended the run early, with its reason */
     pl_error reason;
     pl_candidate_pairs *pairs;
+    pl_thread_pool *pool; /* the caller's; NULL: none */
     pl_touching *touching;
     pl_mechanics *mechanics;
     pl_contact_force *force;
@@ -107,7 +108,7 @@ static pl_ending conclude(pl_referee *r, pl_ending ending, pl_error *error)
 static void see_pairs(pl_referee *r, const pl_body_state *bodies)
 {
     pl_touching_begin(r->touching, r->done);
-    pl_candidate_pairs_each(r->pairs, bodies, pl_touching_see, r->touching);
+    pl_candidate_pairs_each(r->pairs, bodies, r->pool, pl_touching_see, r->touching);
     pl_touching_end(r->touching);
 }
 
@@ -123,6 +124,11 @@ void pl_referee_set_engine(pl_referee *referee, const pl_referee_engine *engine)
 {
     pl_mechanics_set_engine(referee->mechanics, engine);
     pl_values_set_engine(referee->values, engine);
+}
+
+void pl_referee_set_threads(pl_referee *referee, pl_thread_pool *pool)
+{
+    referee->pool = pool;
 }
 
 pl_ending pl_referee_start(pl_referee *r, const pl_frame *frame)
@@ -162,7 +168,8 @@ static void see_mechanics(pl_referee *r, const pl_step_observation *seen)
                     .after = seen->frame->bodies,
                     .contacts = seen->contacts,
                     .times = seen->contact_times,
-                    .contact_count = seen->contact_count};
+                    .contact_count = seen->contact_count,
+                    .pool = r->pool};
     if (step.contact_count < 0 && r->no_contacts_step == 0) {
         r->no_contacts_step = r->done;
     }

@@ -114,6 +114,7 @@ static json_t *engines_json(const pl_report *report)
         set_text(object, "engine", column->engine);
         set_text(object, "version", column->version);
         set_text(object, "runtime", column->runtime);
+        json_object_set_new(object, "threads", json_integer(column->threads));
         set_buffer(object, "settings", &settings);
         set_buffer(object, "conformance", &known);
         json_object_set_new(object, "ours", json_boolean(column->ours));

@@ -46,6 +46,7 @@ static pl_column column_of(const json_t *result)
                        .git = pl_result_text(result, "plumb", "git"),
                        .binary = pl_json_get_text(result, "engine_binary"),
                        .runtime = pl_result_runtime(result),
+                       .threads = pl_result_threads(result),
                        .ours = strcmp(pl_json_get_text(result, "engine"), "plumb") == 0};
 }
 
@@ -419,6 +420,21 @@ bool pl_case_is_entry(const pl_case *test_case, const pl_suite_entry *entry)
         }
     }
     return true;
+}
+
+void pl_cell_time_text(const pl_column *column, const pl_cell *cell,
+                       void (*write)(const pl_metric_summary *summary,
+                                     char text[PL_METRIC_TEXT_SIZE]),
+                       char text[PL_CELL_TIME_SIZE])
+{
+    const pl_metric_summary *wall = &cell->metrics[PL_METRIC_WALL_TIME_PER_STEP];
+    char cpu[PL_METRIC_TEXT_SIZE], elapsed[PL_METRIC_TEXT_SIZE] = "";
+    const bool is_shown = column->threads > 1 && wall->state == PL_METRIC_VALUE;
+    write(&cell->metrics[PL_METRIC_TIME_PER_STEP], cpu);
+    if (is_shown) {
+        write(wall, elapsed);
+    }
+    snprintf(text, PL_CELL_TIME_SIZE, "%s%s%s", cpu, is_shown ? ", wall " : "", elapsed);
 }
 
 double pl_case_least_time(const pl_result_matrix *matrix, const pl_case *test_case)

@@ -26,6 +26,7 @@ typedef struct pl_column {
     const char *label, *engine, *version, *git, *binary;
     char name[256]; /* the label, with what distinguishes it where labels alone are not unique */
     const char *runtime; /* what runs the engine's code; NULL: it is native */
+    int threads;         /* that its runs ask for */
     bool ours;
 } pl_column;
 
@@ -69,6 +70,15 @@ bool pl_case_primary_is(const pl_case *test_case, int metric);
 /* Whether the case is that of a suite's entry: its scenario and parameters, with any time step and
  * duration, which publications leave open. */
 bool pl_case_is_entry(const pl_case *test_case, const pl_suite_entry *entry);
+
+enum { PL_CELL_TIME_SIZE = 2 * PL_METRIC_TEXT_SIZE + 8 };
+
+/* Writes the time of a step by `write`, pl_metric_text or pl_metric_spread_text; of a column that
+ * asks for several threads the elapsed time too: "12.3 ms, wall 6.8 ms". */
+void pl_cell_time_text(const pl_column *column, const pl_cell *cell,
+                       void (*write)(const pl_metric_summary *summary,
+                                     char text[PL_METRIC_TEXT_SIZE]),
+                       char text[PL_CELL_TIME_SIZE]);
 
 /* Returns the least time of a step over native engines whose outcome is ok; INFINITY without any. */
 double pl_case_least_time(const pl_result_matrix *matrix, const pl_case *test_case);

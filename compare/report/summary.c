@@ -215,7 +215,7 @@ static void add_result(const pl_column *column, const pl_cell *cell, double fast
     const pl_metric_summary *error = &cell->metrics[PL_METRIC_REFERENCE_ERROR];
     const pl_metric_summary *time = &cell->metrics[PL_METRIC_TIME_PER_STEP];
     const bool has_time = time->state == PL_METRIC_VALUE;
-    char text[PL_METRIC_TEXT_SIZE];
+    char text[PL_METRIC_TEXT_SIZE], time_text[PL_CELL_TIME_SIZE];
     pl_text_buffer markup = {0};
     if (cell->result == NULL) {
         pl_table_add(table, "not run");
@@ -230,9 +230,9 @@ static void add_result(const pl_column *column, const pl_cell *cell, double fast
     if (pl_cell_disagrees(cell)) {
         pl_text_add(&markup, " *not deterministic*");
     }
-    pl_metric_text(time, text);
+    pl_cell_time_text(column, cell, pl_metric_text, time_text);
     pl_text_add(&markup, has_time ? "<br>" : "");
-    pl_text_add_markdown(&markup, has_time ? text : "");
+    pl_text_add_markdown(&markup, has_time ? time_text : "");
     if (column->runtime != NULL && has_time) {
         pl_text_add(&markup, " in ");
         pl_text_add_markdown(&markup, column->runtime);

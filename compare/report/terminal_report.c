@@ -146,8 +146,12 @@ static void add_run(const pl_column *column, const pl_cell *cell, pl_table *tabl
     pl_table_add(table, column->name);
     for (int k = 0; k < NUMBER_COLUMNS; ++k) {
         const bool is_marked = shown[k] == PL_METRIC_TIME_PER_STEP && column->runtime != NULL;
-        char text[PL_METRIC_TEXT_SIZE];
-        pl_metric_spread_text(&cell->metrics[shown[k]], text);
+        char text[PL_CELL_TIME_SIZE];
+        if (shown[k] == PL_METRIC_TIME_PER_STEP) {
+            pl_cell_time_text(column, cell, pl_metric_spread_text, text);
+        } else {
+            pl_metric_spread_text(&cell->metrics[shown[k]], text);
+        }
         pl_table_format_cell(table, "%s%s", run ? text : pl_no_number,
                              run && is_marked ? " *" : "");
     }
@@ -203,9 +207,16 @@ static void add_cases(const pl_result_matrix *matrix, const terminal *to)
         pl_table_write(&table, PL_TABLE_TEXT, to->out);
     }
     pl_table_free(&table);
-    bool is_marked = false;
+    bool is_marked = false, has_threads = false;
     for (int i = 0; i < matrix->column_count; ++i) {
         is_marked = is_marked || matrix->columns[i].runtime != NULL;
+        has_threads = has_threads || matrix->columns[i].threads > 1;
+    }
+    if (has_threads) {
+        pl_text_add(to->out, "\n");
+        add_text(to,
+                 "The time of a step is the CPU time of all threads; wall: the elapsed time, of an "
+                 "engine that is asked for several.");
     }
     if (is_marked) {
         pl_text_add(to->out, "\n");

@@ -3,7 +3,9 @@
 #include "result.h"
 
 #include "base/hash.h"
+#include "base/thread_pool.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,6 +51,12 @@ const char *pl_result_runtime(const json_t *result)
 {
     const char *runtime = pl_json_get_text(result, "engine_runtime");
     return runtime[0] == '\0' || strcmp(runtime, "native") == 0 ? NULL : runtime;
+}
+
+int pl_result_threads(const json_t *result)
+{
+    const json_int_t threads = json_integer_value(json_object_get(result, "threads"));
+    return threads > 1 && threads < INT_MAX ? (int)threads : 1;
 }
 
 double pl_result_metric(const json_t *result, const char *name)
@@ -197,6 +205,8 @@ json_t *pl_run_identity(const pl_run_view *run)
     failed |= json_object_set_new(identity, "engine_spec", spec_json(run));
     failed |= json_object_set_new(identity, "engine_runtime",
                                   json_string(pl_engine_runtime(run->engine)));
+    failed |= json_object_set_new(identity, "threads",
+                                  json_integer(pl_engine_threads(run->engine, run->options)));
     failed |= json_object_set_new(identity, "as_shipped", json_boolean(is_as_shipped(run)));
     failed |=
         json_object_set_new(identity, "conformance", pl_conformance_to_json(&run->conformance));
@@ -273,6 +283,24 @@ static json_t *metrics_json(const pl_metrics *metrics)
     return object;
 }
 
+void pl_pose_of(const pl_body_state *body, double pose[PL_POSE_NUMBERS])
+{
+    memcpy(pose, body->position, sizeof body->position);
+    memcpy(pose + 3, body->orientation, sizeof body->orientation);
+}
+
+json_t *pl_pose_to_json(const double pose[PL_POSE_NUMBERS])
+{
+    json_t *row = json_array();
+    for (int i = 0; i < PL_POSE_NUMBERS; ++i) {
+        if (json_array_append_new(row, json_real(pose[i])) != 0) {
+            json_decref(row);
+            return NULL;
+        }
+    }
+    return row;
+}
+
 static json_t *poses_json(const pl_body_state *bodies, int body_count)
 {
     if (bodies == NULL) {
@@ -280,10 +308,9 @@ static json_t *poses_json(const pl_body_state *bodies, int body_count)
     }
     json_t *poses = json_array();
     for (int i = 0; i < body_count; ++i) {
-        const double *x = bodies[i].position;
-        const double *q = bodies[i].orientation;
-        json_t *row = json_pack("[f, f, f, f, f, f, f]", x[0], x[1], x[2], q[0], q[1], q[2], q[3]);
-        if (json_array_append_new(poses, row) != 0) {
+        double pose[PL_POSE_NUMBERS];
+        pl_pose_of(&bodies[i], pose);
+        if (json_array_append_new(poses, pl_pose_to_json(pose)) != 0) {
             json_decref(poses);
             return NULL;
         }
@@ -363,9 +390,10 @@ static json_t *host_json(void)
     snprintf(kernel_and_os, sizeof kernel_and_os, "%s%s%s %s", os, os[0] == '\0' ? "" : ", ",
              kernel.sysname, kernel.release);
     const char *processor = cpu[0] != '\0' ? cpu : kernel.machine;
-    return json_pack("{s:o, s:o, s:s, s:s}", "cpu", pl_json_text(processor, strlen(processor)),
-                     "os", pl_json_text(kernel_and_os, strlen(kernel_and_os)), "compiler",
-                     PLUMB_COMPILER, "flags", PLUMB_FLAGS);
+    return json_pack("{s:o, s:i, s:o, s:s, s:s}", "cpu", pl_json_text(processor, strlen(processor)),
+                     "cpus", pl_usable_cpus(), "os",
+                     pl_json_text(kernel_and_os, strlen(kernel_and_os)), "compiler", PLUMB_COMPILER,
+                     "flags", PLUMB_FLAGS);
 }
 
 json_t *pl_provenance(int argc, char *const *argv)

@@ -58,7 +58,7 @@ typedef struct pl_run_view {
 /* As in results: {"outcome", "checks", "failed", "plumb"}, or null where nothing is known. */
 json_t *pl_conformance_to_json(const pl_conformance *conformance);
 
-/* The keys from `scenario` to `repeat`, `engine_spec`, `as_shipped` and `conformance`, and `run`: the
+/* The keys from `scenario` to `repeat`, `engine_spec`, `threads`, `as_shipped` and `conformance`, and `run`: the
  * hash of those that identify the run. */
 json_t *pl_run_identity(const pl_run_view *run);
 
@@ -94,6 +94,15 @@ typedef struct pl_run_result {
 /* The keys outcome, reason, note, steps, substeps, read_back, metrics, final_poses. */
 json_t *pl_run_result_to_json(const pl_run_result *result);
 
+/* The numbers of a row of final_poses: x, y, z, qw, qx, qy, qz. */
+enum { PL_POSE_NUMBERS = 7 };
+
+/* The row of a body, m. */
+void pl_pose_of(const pl_body_state *body, double pose[PL_POSE_NUMBERS]);
+
+/* The same as JSON. */
+json_t *pl_pose_to_json(const double pose[PL_POSE_NUMBERS]);
+
 /* The keys host, plumb, command: this machine, this build, this call. */
 json_t *pl_provenance(int argc, char *const *argv);
 
@@ -102,6 +111,9 @@ double pl_result_metric(const json_t *result, const char *name);
 
 /* What runs the engine's code, such as "webassembly"; NULL: it is native, and its times are ranked. */
 const char *pl_result_runtime(const json_t *result);
+
+/* The threads that the run asked its engine for; 1 in results that do not say. */
+int pl_result_threads(const json_t *result);
 
 /* A JSON number, or null for one that is not finite. */
 json_t *pl_json_number_or_null(double value);

@@ -1,9 +1,11 @@
 #include "execute.h"
 
+#include "base/thread_pool.h"
 #include "isolated_run.h"
 #include "progress.h"
 #include "recording.h"
 #include "results/run_verdict.h"
+#include "schedule.h"
 
 #include <errno.h>
 #include <math.h>
@@ -16,6 +18,7 @@
 /* A running job. */
 typedef struct slot {
     bool busy;
+    int cpus; /* of the run */
     pl_isolated_run run;
     char *positions; /* path, or NULL */
     char *recording; /* path of the raw file, or NULL */
@@ -29,7 +32,7 @@ typedef struct execution {
     struct pollfd *polls; /* (def->jobs x PL_PROCESS_POLLS, and one for signals) */
     long next;            /* run to start */
     bool *due;            /* (size of the plan): counted by the bar, and not begun */
-    int busy;
+    pl_schedule schedule;
     pl_progress *bar; /* NULL: none */
     int signals;      /* signalfd */
 } execution;
@@ -161,6 +164,13 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
             return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
         }
         const bool done = is_done(e->def, identity);
+        const pl_engine_choice *choice = &planned.configuration->choice;
+        const int threads = pl_engine_threads(choice->engine, choice->values);
+        /* Runs begin in the order of the plan: this one waits, and those after it. */
+        if (!done && !pl_schedule_has_room(&e->schedule, threads)) {
+            json_decref(identity);
+            return PL_OK;
+        }
         /* A result that came meanwhile made it unnecessary. */
         if (done && e->due[e->next] && e->bar != NULL) {
             e->bar->total -= 1;
@@ -172,7 +182,6 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
             if (status == PL_OK) {
                 status = place_scene(e, free_slot, planned.test_case, &scene, error);
             }
-            const pl_engine_choice *choice = &planned.configuration->choice;
             pl_run_def run = {.scene = scene,
                               .choice = choice,
                               .trajectory = e->def->trajectory,
@@ -183,12 +192,13 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
             if (status == PL_OK && choice->engine->fault.is_fault) {
                 status = report_fault(e, &choice->engine->fault, scene, identity, error);
             } else if (status == PL_OK) {
+                free_slot->cpus = pl_schedule_begin(&e->schedule, threads);
+                run.referee_threads = free_slot->cpus;
                 status =
                     pl_isolated_run_start(&free_slot->run, &run, identity, &e->def->limits, error);
             }
             free_slot->scene = scene;
             free_slot->busy = status == PL_OK && !choice->engine->fault.is_fault;
-            e->busy += free_slot->busy;
         }
         json_decref(identity);
     }
@@ -201,7 +211,7 @@ static pl_status finish(execution *e, slot *ended, pl_error *error)
     double seconds = pl_monotonic_seconds() - ended->run.process.started;
     pl_status status = pl_isolated_run_finish(&ended->run, e->def->provenance, &result, error);
     ended->busy = false;
-    e->busy -= 1;
+    pl_schedule_end(&e->schedule, ended->cpus);
     if (status != PL_OK) {
         return status;
     }
@@ -294,19 +304,22 @@ static pl_status carry_out(execution *e, int *signal_number, pl_error *error)
         for (int i = 0; i < e->def->jobs && status == PL_OK; ++i) {
             status = start_next(e, &e->slots[i], error);
         }
-        if (status == PL_OK && e->busy > 0) {
+        if (status == PL_OK && e->schedule.runs > 0) {
             draw(e);
             status = wait_and_collect(e, signal_number, error);
         }
     } while (status == PL_OK && *signal_number == 0 &&
-             (e->busy > 0 || e->next < pl_plan_size(e->def->plan)));
+             (e->schedule.runs > 0 || e->next < pl_plan_size(e->def->plan)));
     return status;
 }
 
 pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *error)
 {
     size_t jobs = (size_t)def->jobs;
-    execution e = {.def = def, .bar = def->bar, .signals = -1};
+    execution e = {.def = def,
+                   .bar = def->bar,
+                   .signals = -1,
+                   .schedule = {.jobs = def->jobs, .cpus = pl_usable_cpus()}};
     pl_progress own;
     sigset_t before;
     long due = 0;

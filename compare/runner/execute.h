@@ -11,7 +11,7 @@
 /* What to execute, and how. */
 typedef struct pl_execution_def {
     const pl_plan *plan;
-    int jobs; /* runs at a time, >= 1; times are reliable only with 1 on a quiet machine */
+    int jobs; /* most runs at a time, >= 1, see schedule.h; times are reliable only with 1 on a quiet machine */
     pl_limits limits;
     FILE *trajectory;          /* of a plan with one run: gets its frames; NULL: none */
     const pl_capture *capture; /* of such a plan too; NULL: none */

@@ -11,11 +11,17 @@
 #include <sys/mman.h>
 #include <sys/wait.h>
 
-/* In the child: the result as JSON is the answer. */
+/* In the child: the result as JSON is the answer, with the number of final poses in the place of
+ * these; they follow as doubles, since of many bodies they are nearly all of it. */
 static pl_status answer_result(const pl_run_result *result, void *user, pl_error *error)
 {
     FILE *answer = user;
-    json_t *object = pl_run_result_to_json(result);
+    pl_run_result short_result = *result;
+    short_result.bodies = NULL;
+    json_t *object = pl_run_result_to_json(&short_result);
+    if (result->bodies != NULL) {
+        json_object_set_new(object, "final_poses", json_integer(result->body_count));
+    }
     char *line = object == NULL ? NULL : pl_result_to_line(object);
     json_decref(object);
     if (line == NULL) {
@@ -23,7 +29,52 @@ static pl_status answer_result(const pl_run_result *result, void *user, pl_error
     }
     fputs(line, answer);
     free(line);
+    for (int i = 0; i < result->body_count && result->bodies != NULL; ++i) {
+        double pose[PL_POSE_NUMBERS];
+        pl_pose_of(&result->bodies[i], pose);
+        fwrite(pose, sizeof pose, 1, answer);
+    }
     return PL_OK;
+}
+
+/* The final poses, `count` of them. */
+static json_t *read_poses(const char *bytes, size_t count)
+{
+    json_t *poses = json_array();
+    for (size_t i = 0; i < count; ++i) {
+        double pose[PL_POSE_NUMBERS];
+        memcpy(pose, bytes + i * sizeof pose, sizeof pose);
+        if (json_array_append_new(poses, pl_pose_to_json(pose)) != 0) {
+            json_decref(poses);
+            return NULL;
+        }
+    }
+    return poses;
+}
+
+/* In the parent: the outcome that the child answered; NULL where it is not whole, and where something
+ * else is with it. */
+static json_t *read_answer(const pl_process *process)
+{
+    json_error_t place;
+    json_t *outcome =
+        json_loadb(process->text, process->text_length, JSON_DISABLE_EOF_CHECK, &place);
+    if (outcome == NULL) {
+        return NULL;
+    }
+    const json_t *asked = json_object_get(outcome, "final_poses");
+    const size_t end = (size_t)place.position, length = process->text_length - end;
+    const size_t size = PL_POSE_NUMBERS * sizeof(double), count = length / size;
+    bool is_whole = length % size == 0 && json_integer_value(asked) == (json_int_t)count;
+    if (is_whole && json_is_integer(asked)) {
+        json_t *poses = read_poses(process->text + end, count);
+        is_whole = json_object_set_new(outcome, "final_poses", poses) == 0;
+    }
+    if (!is_whole) {
+        json_decref(outcome);
+        return NULL;
+    }
+    return outcome;
 }
 
 /* In the child: what kept the run from being made is the answer {"error": message}. Memory that ran
@@ -64,6 +115,7 @@ pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, jso
     }
     run->def.watch = shared;
     run->def.cpu_limit = limits->cpu_time;
+    run->def.memory_limit = limits->memory;
     pl_timestamp(run->started);
     pl_status status = pl_process_start(&run->process, limits, run_and_answer, &run->def, error);
     if (status != PL_OK) {
@@ -196,7 +248,7 @@ pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_
     const pl_process *process = &run->process;
     pl_status status = PL_OK;
     /* A whole answer is a whole run; one cut short does not parse. */
-    json_t *outcome = json_loadb(process->text, process->text_length, 0, NULL);
+    json_t *outcome = read_answer(process);
     if (!json_is_object(outcome) || !was_reported(run)) {
         json_decref(outcome);
         outcome = missing_outcome(run);

@@ -19,7 +19,7 @@ typedef struct pl_isolated_run {
     double call_cpu_time; /* s */
 } pl_isolated_run;
 
-/* Starts the run. `def` is copied, `def->watch` and `def->cpu_limit` are not used; what it points to
+/* Starts the run. `def` is copied, its `watch`, `cpu_limit` and `memory_limit` are not used; what it points to
  * must outlive the run. Takes its own reference of `identity`. */
 pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, json_t *identity,
                                 const pl_limits *limits, pl_error *error);

@@ -157,6 +157,9 @@ static pl_status override_times(pl_scene *scene, const char *path, double dt, do
             "value or a statistic: they hold for %g s",
             path, scene->duration);
     }
+    if (isnan(dt) && isnan(duration)) {
+        return PL_OK;
+    }
     scene->dt = isnan(dt) ? scene->dt : dt;
     scene->duration = isnan(duration) ? scene->duration : duration;
     for (int i = 0; i < scene->travel_count && !isnan(dt); ++i) {

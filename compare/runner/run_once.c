@@ -5,6 +5,7 @@
 
 #include "adapters/contact_problems.h"
 #include "base/array.h"
+#include "engines/process.h"
 #include "parameter_check.h"
 #include "positions.h"
 #include "recording.h"
@@ -17,11 +18,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Room for contacts; more make the array grow. */
+enum { CONTACTS_PER_BODY = 16 };
+
+/* Bodies from which on the referee's work is worth several threads. */
+enum { MANY_BODIES = 2000 };
+
 /* Two frames: the new one, and the last good one. */
 typedef struct run {
     const pl_run_def *def;
     pl_session session;
     pl_referee *referee;
+    pl_thread_pool *pool; /* sleeps while the engine is called */
     pl_frame frame, good;
     bool has_good;
     pl_contact *contacts;
@@ -107,7 +115,7 @@ static pl_status prepare(run *r, pl_error *error)
 {
     const pl_scene *scene = r->def->scene;
     size_t count = (size_t)scene->body_count;
-    r->contact_capacity = 64 + 32 * scene->body_count;
+    r->contact_capacity = 64 + CONTACTS_PER_BODY * scene->body_count;
     r->frame = (pl_frame){.body_count = scene->body_count};
     r->good = r->frame;
     r->frame.bodies = allocate_touched(count, sizeof *r->frame.bodies);
@@ -117,6 +125,10 @@ static pl_status prepare(run *r, pl_error *error)
         return pl_fail(error, PL_NO_MEMORY, "out of memory");
     }
     pl_status status = pl_referee_create(scene, &r->referee, error);
+    if (status == PL_OK && scene->body_count >= MANY_BODIES) {
+        r->pool = pl_thread_pool_create(r->def->referee_threads);
+        pl_referee_set_threads(r->referee, r->pool);
+    }
     if (status == PL_OK && r->def->trajectory != NULL) {
         status = write_header(r->def->trajectory, error);
     }
@@ -366,6 +378,7 @@ pl_status pl_run_once(const pl_run_def *def,
     if (status != PL_OK) {
         goto cleanup;
     }
+    pl_process_limit_memory(def->memory_limit);
     r.session.timer = pl_call_timer_open();
     bool going = load(&r, &result);
     const pid_t measured = pl_process_engine_pid(); /* 0: this process */
@@ -393,6 +406,7 @@ cleanup:
     pl_positions_end(&r.positions);
     pl_recorder_end(&r.recorder);
     pl_referee_destroy(r.referee);
+    pl_thread_pool_destroy(r.pool);
     free(r.frame.bodies);
     free(r.good.bodies);
     free(r.contacts);

@@ -8,6 +8,7 @@
 #include "session.h"
 
 #include <stdatomic.h>
+#include <stdint.h>
 #include <stdio.h>
 
 /* The progress of a run, in memory that is shared with the process that watches it. */
@@ -38,6 +39,10 @@ typedef struct pl_run_def {
     /* s of CPU time: a run of which create, steps and reads have taken more is not gone on with. A
      * call that does not return is ended by isolated_run.h. 0: no limit */
     double cpu_limit;
+    /* Bytes that the process may take from the loading of the engine on: what the harness has then is
+     * not the engine's. 0: no limit but that of the process */
+    uint64_t memory_limit;
+    int referee_threads; /* that share the referee's work where the scene is large; below 2: one */
     pl_run_watch *watch;
 } pl_run_def;
 

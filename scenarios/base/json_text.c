@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Whole numbers as reals: then 1e3, 1000 and -0 all are what they say, and none is too big. */
+enum { PARSING = JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL };
+
 /* ---- Places in valid JSON text ---- */
 
 typedef struct scanner {
@@ -20,7 +23,7 @@ static bool is_blank(char c)
 
 static bool is_mark(char c)
 {
-    return c != '\0' && strchr("{}[]:,", c) != NULL;
+    return c == '{' || c == '}' || c == '[' || c == ']' || c == ':' || c == ',';
 }
 
 static void skip_blanks(scanner *s)
@@ -248,9 +251,7 @@ pl_status pl_json_read_text(const pl_json_kind *kind, const char *text, size_t l
                               "expected a JSON object, found an empty file", error);
     }
     json_error_t syntax;
-    /* Whole numbers as reals: then 1e3, 1000 and -0 all are what they say, and none is too big. */
-    json_t *json =
-        json_loadb(text, length, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &syntax);
+    json_t *json = json_loadb(text, length, PARSING, &syntax);
     if (json == NULL) {
         return fail_by_syntax(text, length, label, &syntax, error);
     }
@@ -274,4 +275,55 @@ pl_status pl_json_read_file(const pl_json_kind *kind, const char *path, void *us
         free(text);
     }
     return status;
+}
+
+/* ---- A long array, item by item ---- */
+
+char *pl_json_take_out(const char *text, size_t length, const char *key, pl_json_items *items,
+                       size_t *rest_length)
+{
+    scanner s = {.text = text, .length = length};
+    size_t key_at;
+    skip_blanks(&s);
+    if (!enter_key(&s, key, &key_at) || peek(&s) != '[') {
+        return NULL;
+    }
+    const size_t begin = s.at;
+    skip_value(&s);
+    char *rest = text[s.at - 1] == ']' ? malloc(length) : NULL;
+    if (rest == NULL) {
+        return NULL;
+    }
+    /* The brackets stay. */
+    *items = (pl_json_items){.text = text, .at = begin + 1, .end = s.at - 1, .is_first = true};
+    memcpy(rest, text, items->at);
+    memcpy(rest + items->at, text + items->end, length - items->end);
+    *rest_length = length - (items->end - items->at);
+    return rest;
+}
+
+json_t *pl_json_next_item(pl_json_items *items)
+{
+    scanner s = {.text = items->text, .at = items->at, .length = items->end};
+    json_error_t place;
+    skip_blanks(&s);
+    if (s.at == items->end || items->failed) {
+        return NULL;
+    }
+    if (!items->is_first) {
+        items->failed = s.text[s.at] != ',';
+        ++s.at;
+    }
+    json_t *item = items->failed ? NULL
+                                 : json_loadb(s.text + s.at, s.length - s.at,
+                                              PARSING | JSON_DISABLE_EOF_CHECK, &place);
+    items->failed = item == NULL;
+    items->is_first = false;
+    items->at = item == NULL ? items->end : s.at + (size_t)place.position;
+    return item;
+}
+
+json_t *pl_json_parse(const char *text, size_t length)
+{
+    return json_loadb(text, length, PARSING, NULL);
 }

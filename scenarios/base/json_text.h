@@ -6,6 +6,8 @@
 #include "diagnostic.h"
 
 #include <jansson.h>
+#include <stdbool.h>
+#include <stddef.h>
 
 /* A kind of file. */
 typedef struct pl_json_kind {
@@ -24,5 +26,28 @@ pl_status pl_json_read_text(const pl_json_kind *kind, const char *text, size_t l
 /* The same for a file ("-" is standard input), of which no more than kind->most_bytes are read. */
 pl_status pl_json_read_file(const pl_json_kind *kind, const char *path, void *user,
                             pl_error *error);
+
+/* ---- A long array, item by item ---- */
+
+/* The items of an array that was taken out of a JSON text. The tree of a whole text is several times
+ * as large as the text; that of one item stays in the processor's cache. */
+typedef struct pl_json_items {
+    const char *text; /* borrowed */
+    size_t at, end;   /* the next item; the closing bracket */
+    bool is_first;
+    bool failed; /* something is no JSON */
+} pl_json_items;
+
+/* Takes the array out that an object has at `key`: `items` are its own, and the result is the text
+ * without them, malloc'd and *rest_length bytes long. NULL when there is no such array, when the text
+ * is no JSON, though not every fault is seen here, and when out of memory. */
+char *pl_json_take_out(const char *text, size_t length, const char *key, pl_json_items *items,
+                       size_t *rest_length);
+
+/* The next item, a new reference. NULL at the end, and with `failed` at a fault or out of memory. */
+json_t *pl_json_next_item(pl_json_items *items);
+
+/* Parses a text as pl_json_read_text does; NULL when it is no JSON, and when out of memory. */
+json_t *pl_json_parse(const char *text, size_t length);
 
 #endif

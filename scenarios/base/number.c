@@ -4,9 +4,86 @@
 
 #include <locale.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- Numbers to text ---- */
+
+/* Integers that hold 17 digits times a power of two. */
+__extension__ typedef unsigned __int128 wide;
+
+/* 10^k for k from 0 to 20. */
+static wide power_of_ten(int k)
+{
+    wide power = 1;
+    for (; k > 0; --k) {
+        power *= 10;
+    }
+    return power;
+}
+
+/* Writes digits * 10^-places, the way of %g: without zeros at the end. */
+static void write_decimal(uint64_t digits, int places, bool negative, char *text)
+{
+    char reversed[PL_NUMBER_SIZE];
+    int count = 0;
+    for (; places > 0 && digits % 10 == 0; --places) {
+        digits /= 10;
+    }
+    for (int i = 0; i <= places || digits > 0; ++i, digits /= 10) {
+        if (i == places && places > 0) {
+            reversed[count++] = '.';
+        }
+        reversed[count++] = (char)('0' + digits % 10);
+    }
+    *text = '-';
+    text += negative;
+    for (int i = 0; i < count; ++i) {
+        text[i] = reversed[count - 1 - i];
+    }
+    text[count] = '\0';
+}
+
+/* Whether the decimal `shown` reads back as the double `scaled`, both times the same factor, in which
+ * the distance to the next double is `ulp`. That to the one before is half as much below a power of
+ * two. At the middle between two doubles the even one is read. */
+static bool reads_back(wide shown, wide scaled, wide ulp, uint64_t mantissa)
+{
+    const bool is_power = mantissa == UINT64_C(1) << 52;
+    const wide error = shown > scaled ? shown - scaled : scaled - shown;
+    const wide reach = is_power && shown < scaled ? 4 * error : 2 * error;
+    return reach < ulp || (reach == ulp && mantissa % 2 == 0);
+}
+
+/* The text of a number from 1e-4 to below 1e15 by exact arithmetic of integers: the value is m / 2^s
+ * with 2^52 <= m < 2^53 and 2 < s < 67, so that m 10^k, with 17 digits before the point, and 2^s
+ * times those digits stay below 2^124. */
+static const char *short_text(double value, char *text)
+{
+    int exponent;
+    const uint64_t m = (uint64_t)ldexp(frexp(fabs(value), &exponent), 53);
+    const int s = 53 - exponent;
+    int places = 15; /* after the point, so that there are 15 digits in all */
+    for (double bound = 1; fabs(value) >= bound; bound *= 10) {
+        --places;
+    }
+    for (double bound = 0.1; fabs(value) < bound; bound /= 10) {
+        ++places;
+    }
+    wide power = power_of_ten(places);
+    for (int digits = 15;; ++digits, ++places, power *= 10) {
+        const wide scaled = m * power, half = (wide)1 << (s - 1);
+        const wide rest = scaled & (2 * half - 1);
+        uint64_t rounded = (uint64_t)(scaled >> s);
+        rounded += rest > half || (rest == half && rounded % 2 == 1);
+        if (digits == 17 || reads_back((wide)rounded << s, scaled, power, m)) {
+            write_decimal(rounded, places, value < 0, text);
+            return text;
+        }
+    }
+}
 
 const char *pl_number_text(double value, char text[PL_NUMBER_SIZE])
 {
@@ -14,6 +91,12 @@ const char *pl_number_text(double value, char text[PL_NUMBER_SIZE])
         const char *word = isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
         snprintf(text, PL_NUMBER_SIZE, "%s", word);
         return text;
+    }
+    if (value == 0) {
+        return memcpy(text, signbit(value) ? "-0" : "0", signbit(value) ? 3 : 2);
+    }
+    if (fabs(value) >= 1e-4 && fabs(value) < 1e15) {
+        return short_text(value, text);
     }
     /* 15 digits survive text to double to text, 17 survive double to text to double: IEEE
      * 754, 5.12.2. */
@@ -27,6 +110,8 @@ const char *pl_number_text(double value, char text[PL_NUMBER_SIZE])
     }
     return text;
 }
+
+/* ---- Text to numbers ---- */
 
 bool pl_decimal(const char *text, size_t length, double *value)
 {

@@ -159,18 +159,29 @@ void pl_text_add_shell(pl_text_buffer *out, const char *text)
     pl_text_add(out, is_plain ? "" : "'");
 }
 
+/* Whether a byte stands for itself in a JSON string. */
+static bool is_plain_in_json(char c)
+{
+    return (unsigned char)c >= 0x20 && c != '"' && c != '\\';
+}
+
 void pl_text_add_json(pl_text_buffer *out, const char *text)
 {
-    pl_text_add(out, "\"");
-    for (const char *c = text; *c != '\0'; ++c) {
-        if ((unsigned char)*c < 0x20) {
-            pl_text_format(out, "\\u%04x", (unsigned)*c);
-        } else {
-            pl_text_add(out, *c == '"' || *c == '\\' ? "\\" : "");
-            pl_text_add_bytes(out, c, 1);
+    pl_text_add_bytes(out, "\"", 1);
+    while (*text != '\0') {
+        size_t plain = 0;
+        while (is_plain_in_json(text[plain])) {
+            ++plain;
+        }
+        pl_text_add_bytes(out, text, plain);
+        text += plain;
+        if (*text != '\0' && (unsigned char)*text < 0x20) {
+            pl_text_format(out, "\\u%04x", (unsigned)*text++);
+        } else if (*text != '\0') {
+            pl_text_add_bytes(out, (const char[]){'\\', *text++}, 2);
         }
     }
-    pl_text_add(out, "\"");
+    pl_text_add_bytes(out, "\"", 1);
 }
 
 void pl_text_add_json_key(pl_text_buffer *out, const char *key)

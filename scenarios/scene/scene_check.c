@@ -33,9 +33,14 @@ static bool check_stored_name(const char *name, pl_diagnostic *diagnostic)
     if (!pl_check_name(name, end == NULL ? PL_NAME_SIZE : (size_t)(end - name), diagnostic)) {
         return false;
     }
-    json_t *text = json_string(name); /* NULL where it is not UTF-8 */
+    bool is_ascii = true;
+    for (const char *c = name; *c != '\0'; ++c) {
+        is_ascii = is_ascii && (unsigned char)*c < 0x80;
+    }
+    json_t *text = is_ascii ? NULL : json_string(name); /* NULL where it is not UTF-8 */
     json_decref(text);
-    return text != NULL || pl_diagnose(diagnostic, "expected a name in UTF-8, found other bytes");
+    return is_ascii || text != NULL ||
+           pl_diagnose(diagnostic, "expected a name in UTF-8, found other bytes");
 }
 
 static bool check_index(pl_diagnostic *diagnostic, const char *key, int index, int count,

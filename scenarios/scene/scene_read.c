@@ -1,6 +1,7 @@
 /* Scene files: their text to a scene, object by object, by the table of fields. This file has the
  * rules that only the text shows: keys, types, names that refer to others, and defaults that depend
  * on other fields. The rules of the numbers are in scene_check.c. */
+#include "base/file_text.h"
 #include "base/json_text.h"
 #include "base/name_index.h"
 #include "scene_check.h"
@@ -14,6 +15,7 @@
 
 typedef struct reader {
     pl_scene *scene;
+    pl_json_items *bodies; /* where they are apart from the rest; NULL: they are not */
     pl_shape_reader shapes;
     pl_name_index body_names; /* once all bodies are read */
     pl_diagnostic diagnostic;
@@ -230,8 +232,25 @@ static bool read_item(reader *r, const json_t *json, pl_object_kind kind, const 
     return true;
 }
 
+/* Reads the bodies that were taken out of the text. A fault is not described. */
+static bool read_bodies_apart(reader *r)
+{
+    json_t *item;
+    while ((item = pl_json_next_item(r->bodies)) != NULL) {
+        const bool right = read_item(r, item, PL_OBJECT_BODY, NULL);
+        json_decref(item);
+        if (!right) {
+            return false;
+        }
+    }
+    return !r->bodies->failed;
+}
+
 static bool read_items(reader *r, const json_t *object, const pl_field *field)
 {
+    if (r->bodies != NULL && field->items == PL_OBJECT_BODY) {
+        return read_bodies_apart(r);
+    }
     const pl_presence presence = field->need == PL_NEED_ALWAYS ? PL_REQUIRED : PL_OPTIONAL;
     const json_t *array;
     if (!pl_json_array(object, field->key, presence, &array, &r->diagnostic)) {
@@ -386,12 +405,13 @@ typedef struct request {
     pl_scene *scene;
     const char *folder; /* with a / at its end, or "" for the working directory; NULL: it may name
                          * none */
+    pl_json_items *bodies; /* as in the reader */
 } request;
 
 static bool read_scene(const json_t *json, void *user, pl_diagnostic *diagnostic)
 {
     const request *wanted = user;
-    reader r = {.scene = wanted->scene};
+    reader r = {.scene = wanted->scene, .bodies = wanted->bodies};
     r.shapes = (pl_shape_reader){
         .scene = wanted->scene, .folder = wanted->folder, .diagnostic = &r.diagnostic};
     const bool right =
@@ -405,34 +425,67 @@ static bool read_scene(const json_t *json, void *user, pl_diagnostic *diagnostic
 static const pl_json_kind scene_kind = {
     .noun = "scene", .most_bytes = PL_MAX_SCENE_BYTES, .read = read_scene};
 
-pl_status pl_scene_read_text(const char *text, size_t length, const char *label, pl_scene *scene,
-                             pl_error *error)
+/* Reads the text with its bodies one by one. False at any fault, which is not described, and for text
+ * of another form; the scene then has some of it. */
+static bool read_in_parts(const char *text, size_t length, const request *wanted)
 {
-    *scene = pl_scene_default();
-    request wanted = {.scene = scene};
-    const pl_status status = pl_json_read_text(&scene_kind, text, length, label, &wanted, error);
+    pl_json_items bodies;
+    size_t rest_length = 0;
+    char *rest = length > scene_kind.most_bytes
+                     ? NULL
+                     : pl_json_take_out(text, length, "bodies", &bodies, &rest_length);
+    json_t *json = rest == NULL ? NULL : pl_json_parse(rest, rest_length);
+    pl_diagnostic unused = {.status = PL_OK};
+    request apart = {.scene = wanted->scene, .folder = wanted->folder, .bodies = &bodies};
+    const bool right = json != NULL && read_scene(json, &apart, &unused);
+    json_decref(json);
+    free(rest);
+    return right;
+}
+
+/* A text with a fault is read again as a whole, to say where the fault is. */
+static pl_status read_text(const char *text, size_t length, const char *label, request *wanted,
+                           pl_error *error)
+{
+    *wanted->scene = pl_scene_default();
+    if (read_in_parts(text, length, wanted)) {
+        return PL_OK;
+    }
+    pl_scene_free(wanted->scene);
+    *wanted->scene = pl_scene_default();
+    const pl_status status = pl_json_read_text(&scene_kind, text, length, label, wanted, error);
     if (status != PL_OK) {
-        pl_scene_free(scene);
+        pl_scene_free(wanted->scene);
     }
     return status;
 }
 
+pl_status pl_scene_read_text(const char *text, size_t length, const char *label, pl_scene *scene,
+                             pl_error *error)
+{
+    request wanted = {.scene = scene};
+    return read_text(text, length, label, &wanted, error);
+}
+
 pl_status pl_scene_read_file(const char *path, pl_scene *scene, pl_error *error)
 {
+    const pl_file_kind kind = {.noun = scene_kind.noun, .most_bytes = scene_kind.most_bytes};
     *scene = pl_scene_default();
     /* The path up to its last slash. */
     const char *slash = strrchr(path, '/');
-    const size_t length = slash == NULL ? 0 : (size_t)(slash + 1 - path);
-    char *folder = calloc(length + 1, 1);
+    const size_t folder_length = slash == NULL ? 0 : (size_t)(slash + 1 - path);
+    char *folder = calloc(folder_length + 1, 1), *text = NULL;
     if (folder == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
     }
-    memcpy(folder, path, length);
+    memcpy(folder, path, folder_length);
     request wanted = {.scene = scene, .folder = folder};
-    const pl_status status = pl_json_read_file(&scene_kind, path, &wanted, error);
-    free(folder);
-    if (status != PL_OK) {
-        pl_scene_free(scene);
+    size_t length = 0;
+    pl_status status = pl_file_read(&kind, path, &text, &length, error);
+    if (status == PL_OK) {
+        status = read_text(text, length, pl_file_label(path), &wanted, error);
+        free(text);
     }
+    free(folder);
     return status;
 }

@@ -109,6 +109,8 @@ cleanup:
 
 typedef struct writer {
     pl_text_buffer json;
+    bool is_hashed; /* then `hash` has taken the text up to the buffer's, which stays short */
+    uint64_t hash;
     const pl_scene *scene;
     polyhedron_names names;
     int *order; /* (force_count): the numbers of the forces, by body and then as they come */
@@ -117,12 +119,22 @@ typedef struct writer {
 
 static void put_object(writer *w, pl_object_kind kind, const void *object, int indent);
 
+/* Moves the text so far into the hash, where that is all that is wanted. */
+static void move_to_hash(writer *w)
+{
+    if (w->is_hashed && !w->json.failed && w->json.length > 0) {
+        w->hash = pl_hash_text(w->hash, w->json.data);
+        w->json.length = 0;
+        w->json.data[0] = '\0';
+    }
+}
+
 /* A comma and a line break with an indent. */
 static void put_line(writer *w, const char *before, int indent)
 {
-    char text[32];
-    snprintf(text, sizeof text, "%s\n%*s", before, indent, "");
-    pl_text_add(&w->json, text);
+    pl_text_add(&w->json, before);
+    pl_text_add_bytes(&w->json, "\n", 1);
+    pl_text_add_spaces(&w->json, indent);
 }
 
 /* Triples of numbers, some on a line. */
@@ -189,6 +201,7 @@ static void put_items(writer *w, const pl_field *field, const void *object, int 
             pl_text_add_json_key(&w->json, item); /* the struct begins with its name */
         }
         put_object(w, field->items, item, indent + 2);
+        move_to_hash(w);
     }
     put_line(w, "", indent);
     pl_text_add(&w->json, named ? "}" : "]");
@@ -397,37 +410,43 @@ static bool sort_forces(writer *w)
     return true;
 }
 
+/* Writes the scene. False when out of memory; the text is the caller's in any case. */
+static bool put_scene(writer *w)
+{
+    if (polyhedron_names_create(w->scene, &w->names) != PL_OK) {
+        return false;
+    }
+    const bool sorted = sort_forces(w);
+    if (sorted) {
+        put_object(w, PL_OBJECT_SCENE, w->scene, 0);
+        pl_text_add(&w->json, "\n");
+        move_to_hash(w);
+    }
+    polyhedron_names_free(&w->names);
+    free(w->order);
+    free(w->first);
+    return sorted && !w->json.failed;
+}
+
 char *pl_scene_to_text(const pl_scene *scene)
 {
     writer w = {.scene = scene};
-    if (polyhedron_names_create(scene, &w.names) != PL_OK) {
-        return NULL;
-    }
-    if (sort_forces(&w)) {
-        put_object(&w, PL_OBJECT_SCENE, scene, 0);
-        pl_text_add(&w.json, "\n");
-    } else {
-        w.json.failed = true;
-    }
-    polyhedron_names_free(&w.names);
-    free(w.order);
-    free(w.first);
-    if (w.json.failed) {
-        free(w.json.data);
-        return NULL;
+    if (!put_scene(&w)) {
+        pl_text_free(&w.json);
     }
     return w.json.data;
 }
 
 pl_status pl_scene_hash(const pl_scene *scene, char hash[17], pl_error *error)
 {
+    writer w = {.scene = scene, .is_hashed = true, .hash = PL_HASH_START};
+    const bool written = put_scene(&w);
+    pl_text_free(&w.json);
     hash[0] = '\0';
-    char *text = pl_scene_to_text(scene);
-    if (text == NULL) {
+    if (!written) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the text of a scene of %d bodies",
                        scene->body_count);
     }
-    pl_hash_hex(pl_hash_text(PL_HASH_START, text), hash);
-    free(text);
+    pl_hash_hex(w.hash, hash);
     return PL_OK;
 }

@@ -70,10 +70,59 @@ static void test_progress_bar_leaves_out_skipped_runs(void **state)
     }
 }
 
+/* The threads that the results say, in the order in which they came. */
+typedef struct said {
+    int threads[4], count;
+} said;
+
+static pl_status keep_threads(void *user, json_t *result, pl_error *error)
+{
+    said *s = user;
+    (void)error;
+    assert_string_equal(pl_json_get_text(result, "outcome"), "ok");
+    assert_true(json_is_integer(json_object_get(json_object_get(result, "host"), "cpus")));
+    assert_in_range(s->count, 0, 3);
+    s->threads[s->count++] = pl_result_threads(result);
+    return PL_OK;
+}
+
+/* One of them asks for more threads than any machine has: it is made alone. */
+static void test_results_say_the_threads_asked_for(void **state)
+{
+    (void)state;
+    static const char *const specs[] = {"plumb", "plumb,threads=2", "plumb,threads=64",
+                                        "plumb:fast"};
+    pl_plan plan = {.repeats = 1};
+    const char *const settings[] = {"duration=0.1"};
+    const pl_scenario *scenario = pl_scenario_find("free-fall", NULL);
+    assert_int_equal(pl_plan_add_scenario(&plan, scenario, settings, 1, NULL), PL_OK);
+    for (int i = 0; i < 4; ++i) {
+        assert_int_equal(pl_plan_add_engine(&plan, specs[i], NULL), PL_OK);
+    }
+    json_t *provenance = pl_provenance(0, NULL);
+    said s = {.count = 0};
+    const pl_execution_def def = {.plan = &plan,
+                                  .jobs = 3,
+                                  .limits = {.timeout = 60},
+                                  .provenance = provenance,
+                                  .user = &s,
+                                  .keep = keep_threads};
+    int signal_number = 0, sum = 0;
+    assert_int_equal(pl_execute(&def, &signal_number, NULL), PL_OK);
+    assert_int_equal(s.count, 4);
+    for (int i = 0; i < 4; ++i) {
+        sum += s.threads[i];
+    }
+    assert_int_equal(sum, 1 + 2 + 64 + 1);
+    json_decref(provenance);
+    pl_plan_free(&plan);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_progress_bar_leaves_out_skipped_runs),
+        cmocka_unit_test(test_results_say_the_threads_asked_for),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

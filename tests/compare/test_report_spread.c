@@ -78,6 +78,24 @@ static void test_one_run_has_no_spread_and_no_note(void **state)
     json_decref(results);
 }
 
+/* The wall time stands there where the run asked for several threads, and only there. */
+static void test_wall_time_is_shown_with_several_threads(void **state)
+{
+    (void)state;
+    const double time = 5e-3;
+    for (int threads = 1; threads <= 2; ++threads) {
+        json_t *results = repeats("time_per_step", &time, 1);
+        json_t *row = json_array_get(results, 0);
+        set_metric(row, "wall_time_per_step", metric_value(3e-3));
+        json_object_set_new(row, "threads", json_integer(threads));
+        char *text = printed_table(results, false, 120);
+        assert_int_equal(count_of(text, "5.00 ms, wall 3.00 ms"), threads - 1);
+        assert_int_equal(count_of(text, "wall"), threads == 1 ? 0 : 2);
+        free(text);
+        json_decref(results);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -85,6 +103,7 @@ int main(void)
         cmocka_unit_test(test_times_show_median_and_median_deviation),
         cmocka_unit_test(test_errors_show_a_spread_where_repeats_differ),
         cmocka_unit_test(test_one_run_has_no_spread_and_no_note),
+        cmocka_unit_test(test_wall_time_is_shown_with_several_threads),
     };
     return cmocka_run_group_tests_name("spread of repeats", tests, NULL, NULL);
 }

@@ -321,6 +321,46 @@ static void run_profile(const char *spec, pl_run_result *finding, FILE *trajecto
     pl_scene_free(&scene);
 }
 
+/* A wall that is hit: more bodies than one thread judges alone, with impacts and sliding. */
+static void build_hit_wall(pl_scene *scene)
+{
+    static const char *const settings[] = {"rows=40", "columns=60", "duration=0.05"};
+    double values[PL_MAX_PARAMS];
+    const pl_scenario *scenario = pl_scenario_find("wall-collapse", NULL);
+    assert_non_null(scenario);
+    assert_int_equal(pl_scenario_values(scenario, settings, 3, values, NULL), PL_OK);
+    assert_int_equal(pl_scenario_build(scenario, values, 0, scene, NULL), PL_OK);
+}
+
+static void test_referee_threads_change_no_metric(void **state)
+{
+    (void)state;
+    static pl_run_result results[3];
+    pl_scene scene = pl_scene_default();
+    pl_engine_choice choice;
+    build_hit_wall(&scene);
+    assert_int_equal(pl_engine_choose("plumb:fast", &choice, NULL), PL_OK);
+    for (int i = 0; i < 3; ++i) {
+        pl_run_watch watch = {0};
+        const pl_run_def def = {
+            .scene = &scene, .choice = &choice, .referee_threads = i + 1, .watch = &watch};
+        assert_int_equal(pl_run_once(&def, count_report, &results[i], NULL), PL_OK);
+        assert_int_equal(results[i].outcome, PL_OUTCOME_OK);
+        assert_int_equal(results[i].metrics.item[PL_METRIC_NATURAL_MAP].state, PL_METRIC_VALUE);
+        for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+            const pl_metric *one = &results[0].metrics.item[id];
+            const pl_metric *more = &results[i].metrics.item[id];
+            if (pl_metric_table[id].deterministic) {
+                assert_int_equal(more->state, one->state);
+                assert_memory_equal(&more->value, &one->value, sizeof one->value);
+                assert_memory_equal(&more->p99, &one->p99, sizeof one->p99);
+                assert_string_equal(more->text, one->text);
+            }
+        }
+    }
+    pl_scene_free(&scene);
+}
+
 static void test_run_makes_and_shows_all_steps(void **state)
 {
     (void)state;
@@ -390,6 +430,7 @@ int main(void)
         cmocka_unit_test(test_output_tail_is_the_end_of_the_output),
         cmocka_unit_test(test_run_starts_with_default_signals_and_session),
         cmocka_unit_test(test_resident_set_growth_is_the_touched_peak),
+        cmocka_unit_test(test_referee_threads_change_no_metric),
         cmocka_unit_test(test_run_makes_and_shows_all_steps),
         cmocka_unit_test(test_the_same_run_has_the_same_state_hash),
         cmocka_unit_test(test_trajectory_has_a_row_per_body_and_frame),

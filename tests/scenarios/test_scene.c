@@ -91,6 +91,41 @@ static void test_number_text_is_short_and_reads_back(void **state)
     }
 }
 
+/* The shortest of "%.15g", "%.16g" and "%.17g" that reads back, by the C library. */
+static void by_printf(double value, char text[PL_NUMBER_SIZE])
+{
+    int digits = 15;
+    do {
+        (void)snprintf(text, PL_NUMBER_SIZE, "%.*g", digits, value);
+    } while (strtod(text, NULL) != value && ++digits <= 17);
+}
+
+/* Numbers of few digits, powers of 2 and of 10, their neighbours, and any others. */
+static void test_number_text_is_that_of_printf(void **state)
+{
+    (void)state;
+    char text[PL_NUMBER_SIZE], expected[PL_NUMBER_SIZE];
+    pl_random random = {.state = 2};
+    for (int i = 0; i < 200000; ++i) {
+        const double uniform = pl_random_unit(&random);
+        const int power = (int)(pl_random_bits(&random) % 24) - 6;
+        double value = ldexp(1, 3 * power);
+        if (i % 4 == 1) {
+            value = pow(10, power);
+        } else if (i % 4 == 2) {
+            value = floor(1e4 * uniform) / 1000;
+        } else if (i % 4 == 3) {
+            value = uniform * pow(10, power);
+        }
+        if (i % 3 > 0) {
+            value = nextafter(value, i % 3 == 1 ? 0 : HUGE_VAL);
+        }
+        value = i % 5 == 0 ? -value : value;
+        by_printf(value, expected);
+        assert_string_equal(pl_number_text(value, text), expected);
+    }
+}
+
 /* Vigna's splitmix64.c from seed 1234567 gives 6457827717110365317 first: a known answer. */
 static void test_random_bits_are_splitmix64(void **state)
 {
@@ -577,6 +612,7 @@ int main(void)
         cmocka_unit_test(test_nearest_name_is_within_a_third),
         cmocka_unit_test(test_numbers_are_decimals_or_ratios),
         cmocka_unit_test(test_number_text_is_short_and_reads_back),
+        cmocka_unit_test(test_number_text_is_that_of_printf),
         cmocka_unit_test(test_random_bits_are_splitmix64),
         cmocka_unit_test(test_name_index_finds_names_and_the_first_duplicate),
         cmocka_unit_test(test_volume_and_inertia_equal_quadrature),

@@ -1,5 +1,6 @@
 /* Scene files: what is written reads back number for number, defaults, and the schema next to the
  * reader. */
+#include "base/hash.h"
 #include "base/number.h"
 #include "check.h"
 #include "plumb/scene.h"
@@ -22,6 +23,49 @@ static void check_reads_back(const pl_scene *scene)
     assert_same_scene(&again, scene);
     free(text);
     pl_scene_free(&again);
+}
+
+/* The bodies are parsed apart from the rest: a fault at their seams must not be lost. */
+static void test_text_that_is_no_json_is_refused(void **state)
+{
+    (void)state;
+    static const char marks[] = ",]}[{:\"0 ";
+    const size_t length = strlen(sample_scene);
+    char *text = malloc(length + 1);
+    assert_non_null(text);
+    int refused = 0;
+    for (size_t at = 0; at < length; ++at) {
+        for (size_t k = 0; k < sizeof marks - 1; ++k) {
+            memcpy(text, sample_scene, length + 1);
+            text[at] = marks[k];
+            json_t *json = json_loadb(text, length, JSON_REJECT_DUPLICATES, NULL);
+            pl_scene scene;
+            const pl_status status = pl_scene_read_text(text, length, "text", &scene, NULL);
+            if (json == NULL) {
+                assert_int_equal(status, PL_BAD_INPUT);
+                refused += 1;
+            } else if (status == PL_OK) {
+                pl_scene_free(&scene);
+            }
+            json_decref(json);
+        }
+    }
+    assert_true(refused > 1000);
+    free(text);
+}
+
+/* The hash is taken piece by piece, without the whole text. */
+static void test_scene_hash_is_that_of_its_text(void **state)
+{
+    (void)state;
+    char hash[PL_HASH_TEXT_SIZE], expected[PL_HASH_TEXT_SIZE];
+    pl_scene scene = read_scene(sample_scene);
+    char *text = pl_scene_to_text(&scene);
+    assert_non_null(text);
+    assert_int_equal(pl_scene_hash(&scene, hash, NULL), PL_OK);
+    assert_string_equal(hash, pl_hash_hex(pl_hash_text(PL_HASH_START, text), expected));
+    free(text);
+    pl_scene_free(&scene);
 }
 
 static void test_sample_reads_as_written(void **state)
@@ -501,6 +545,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sample_reads_as_written),
+        cmocka_unit_test(test_scene_hash_is_that_of_its_text),
+        cmocka_unit_test(test_text_that_is_no_json_is_refused),
         cmocka_unit_test(test_written_sample_reads_back),
         cmocka_unit_test(test_random_scenes_read_back_number_for_number),
         cmocka_unit_test(test_expectations_that_differ_from_their_defaults_read_back),

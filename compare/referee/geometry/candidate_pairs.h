@@ -1,33 +1,11 @@
-/* The pairs of bodies that are near each other in a frame, with their gaps, and the broad phase
- * that finds them. */
+/* The pairs of bodies that are near each other in a frame, with their gaps. */
 #ifndef PLUMB_CANDIDATE_PAIRS_H
 #define PLUMB_CANDIDATE_PAIRS_H
 
 #include "base/arena.h"
+#include "base/thread_pool.h"
 #include "plumb/engine_abi.h"
 #include "plumb/scene.h"
-
-/* ---- Broad phase: pairs of bodies whose bounding boxes overlap ---- */
-
-/* The bounding boxes of the bodies, with the order in which they were last sorted. */
-typedef struct pl_broad_phase pl_broad_phase;
-
-/* Takes the sort axis and the first order from the scene's poses. `scene` must outlive it. Memory
- * of the arena; NULL when out of memory. */
-pl_broad_phase *pl_broad_phase_create(const pl_scene *scene, pl_arena *arena);
-
-/* Takes new poses, (scene->body_count), and calls `see` once with the scene indices of each pair. A
- * pair of two static bodies is left out. A plane is unbounded and pairs with every dynamic body.
- * `margin`, (scene->body_count) or NULL for zeros, enlarges each dynamic body's box, m: all
- * pairs with a gap of at most the sum of their two margins are seen. Poses of dynamic bodies must
- * be finite; static bodies stay where the scene has them. The order of the pairs depends only on
- * the poses so far. The cost is that of sorting a nearly sorted list, and of the pairs that overlap
- * along the axis. */
-void pl_broad_phase_each_pair(pl_broad_phase *broad_phase, const pl_body_state *bodies,
-                              const double *margin,
-                              void (*see)(void *context, int body_a, int body_b), void *context);
-
-/* ---- Candidate pairs ---- */
 
 /* The shapes of a scene, prepared for queries of their gaps. */
 typedef struct pl_candidate_pairs pl_candidate_pairs;
@@ -48,8 +26,10 @@ typedef struct pl_near_pair {
 pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *arena);
 
 /* Calls `see` once with each candidate pair of a frame, (scene->body_count): all pairs with gap <=
- * 0, all pairs that meet, and possibly more. */
+ * 0, all pairs that meet, and possibly more. The threads of `pool` compute the gaps; NULL: this
+ * thread alone. `see` is called in this thread, and in the same order for any number of threads. */
 void pl_candidate_pairs_each(pl_candidate_pairs *pairs, const pl_body_state *bodies,
+                             pl_thread_pool *pool,
                              void (*see)(void *context, const pl_near_pair *pair), void *context);
 
 #endif

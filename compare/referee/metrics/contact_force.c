@@ -33,28 +33,54 @@ typedef enum series_id {
     SERIES_COUNT
 } series_id;
 
+/* Largest over the contacts of a step; below 0 if no contact has one. */
+typedef struct worst {
+    double cone, signorini, natural_map;
+} worst;
+
 struct pl_contact_force {
     const pl_scene *scene;
     pl_contact_motion *motion;
+    pl_arena *arena;
+    double gravity;                         /* m/s^2 */
     pl_vec *excess[PL_POSITION_RULE_COUNT]; /* each (body_count): impulses less their effect, N s */
+    pl_axes *axes;                          /* (body_count): principal, before the step */
+    double *slides; /* (capacity): friction_effective of a contact; NAN: it does not slide */
+    worst *most;    /* (capacity / PIECE + 1): of the contacts of a piece */
+    int capacity;   /* contacts */
     pl_series series[SERIES_COUNT];
     bool unreported; /* in some step the engine reported no contacts */
+    bool no_memory;  /* for the contacts of some step */
 };
+
+enum { PIECE = 512 /* bodies, or contacts, that are judged together */ };
+
+/* Room to begin with. */
+enum { CONTACTS_PER_BODY = 8, LEAST_CONTACTS = 64 };
 
 /* One contact with all that the metrics need of it; impulses in N s, velocities in m/s. */
 typedef struct touch {
     double friction, restitution;
     double normal_impulse, normal_velocity;
     pl_vec tangent_impulse, tangent_velocity;
+    bool has_mean_slip;
     pl_vec mean_slip;    /* the mean of both ends of the interval, where friction may act by it */
     double inverse_mass; /* 1/rho, 1/kg */
     double weight;       /* of the lighter body, times the step: N s */
 } touch;
 
-/* Largest over the contacts of a step; below 0 if no contact has one. */
-typedef struct worst {
-    double cone, signorini, natural_map;
-} worst;
+/* The memory of smaller arrays is the arena's until its end. */
+static bool reserve(pl_contact_force *f, int count)
+{
+    if (count <= f->capacity) {
+        return true;
+    }
+    const int capacity = 2 * f->capacity > count ? 2 * f->capacity : count;
+    f->slides = pl_arena_take(f->arena, (size_t)capacity, sizeof *f->slides);
+    f->most = pl_arena_take(f->arena, (size_t)capacity / PIECE + 1, sizeof *f->most);
+    f->capacity = f->slides != NULL && f->most != NULL ? capacity : 0;
+    return f->capacity > 0;
+}
 
 pl_contact_force *pl_contact_force_create(const pl_scene *scene, pl_arena *arena)
 {
@@ -63,6 +89,9 @@ pl_contact_force *pl_contact_force_create(const pl_scene *scene, pl_arena *arena
         return NULL;
     }
     f->scene = scene;
+    f->arena = arena;
+    f->gravity = pl_vec_length(pl_vec_of(scene->gravity));
+    f->axes = pl_arena_take(arena, (size_t)scene->body_count, sizeof *f->axes);
     f->motion = pl_contact_motion_create(scene, arena);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         f->excess[k] = pl_arena_take(arena, (size_t)scene->body_count, sizeof *f->excess[k]);
@@ -70,12 +99,8 @@ pl_contact_force *pl_contact_force_create(const pl_scene *scene, pl_arena *arena
     for (int i = 0; i < SERIES_COUNT; ++i) {
         (void)pl_series_init(&f->series[i], arena);
     }
+    (void)reserve(f, LEAST_CONTACTS + CONTACTS_PER_BODY * scene->body_count);
     return arena->failed ? NULL : f;
-}
-
-static double gravity_of(const pl_scene *scene)
-{
-    return pl_vec_length(pl_vec_of(scene->gravity));
 }
 
 /* The larger of both; a NaN in `b` counts as infinite, so that it is not lost. */
@@ -85,13 +110,6 @@ static double larger(double a, double b)
 }
 
 /* ---- The balance of each body ---- */
-
-static void add_impulse(pl_contact_force *f, int body, double sign, pl_vec impulse)
-{
-    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        f->excess[k][body] = pl_vec_mad(f->excess[k][body], sign, impulse);
-    }
-}
 
 static void add_applied_forces(pl_contact_force *f, const pl_step *step)
 {
@@ -108,25 +126,44 @@ static void add_applied_forces(pl_contact_force *f, const pl_step *step)
     }
 }
 
+/* Finds the impulses on a body by gravity and contacts, less their effect. */
+static pl_vec excess_of(const pl_contact_force *f, const pl_step *step, int body)
+{
+    const pl_vec change =
+        pl_vec_sub(pl_vec_of(step->after[body].velocity), pl_vec_of(step->before[body].velocity));
+    const pl_vec due = pl_vec_mad(change, -f->scene->dt, pl_vec_of(f->scene->gravity));
+    return pl_contact_motion_add_impulses(f->motion, step, body,
+                                          pl_vec_scale(due, -f->scene->bodies[body].mass));
+}
+
+/* A step on its way to its worst values. */
+typedef struct judging {
+    pl_contact_force *force;
+    const pl_step *step;
+} judging;
+
+static void see_bodies(void *context, int begin, int end)
+{
+    const judging *j = context;
+    const pl_contact_force *f = j->force;
+    for (int i = begin; i < end; ++i) {
+        const pl_body *body = &f->scene->bodies[i];
+        if (!body->is_static) {
+            f->axes[i] = pl_principal_axes(&body->shape, j->step->before[i].orientation);
+            f->excess[0][i] = excess_of(f, j->step, i);
+            for (int k = 1; k < PL_POSITION_RULE_COUNT; ++k) {
+                f->excess[k][i] = f->excess[0][i];
+            }
+        }
+    }
+}
+
 static void see_balance(pl_contact_force *f, const pl_step *step)
 {
     const pl_scene *scene = f->scene;
-    double fall = scene->dt * gravity_of(scene);
+    double fall = scene->dt * f->gravity;
     if (fall == 0) {
         return;
-    }
-    for (int i = 0; i < scene->body_count; ++i) {
-        pl_vec change =
-            pl_vec_sub(pl_vec_of(step->after[i].velocity), pl_vec_of(step->before[i].velocity));
-        pl_vec due = pl_vec_mad(change, -scene->dt, pl_vec_of(scene->gravity));
-        for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-            f->excess[k][i] = pl_vec_scale(due, -scene->bodies[i].mass);
-        }
-    }
-    for (int i = 0; i < step->contact_count; ++i) {
-        const pl_contact *contact = &step->contacts[i];
-        add_impulse(f, contact->body_a, -1, pl_vec_of(contact->impulse));
-        add_impulse(f, contact->body_b, 1, pl_vec_of(contact->impulse));
     }
     add_applied_forces(f, step);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
@@ -167,19 +204,18 @@ static pl_vec point_velocity(const pl_scene *scene, int index, const pl_contact 
 }
 
 /* Adds one body's part in a contact at `arm` to `t`. */
-static void add_side(const pl_scene *scene, int index, pl_vec arm, const pl_step *step, touch *t)
+static void add_side(const pl_contact_force *f, int index, pl_vec arm, touch *t)
 {
-    const pl_body *body = &scene->bodies[index];
+    const pl_body *body = &f->scene->bodies[index];
     if (body->is_static) {
         return;
     }
-    pl_axes axes = pl_principal_axes(&body->shape, step->before[index].orientation);
     t->inverse_mass += 1 / body->mass;
     for (int k = 0; k < 3; ++k) {
-        pl_vec lever = pl_vec_cross(axes.axis[k], arm);
+        pl_vec lever = pl_vec_cross(f->axes[index].axis[k], arm);
         t->inverse_mass += pl_vec_dot(lever, lever) / (3 * body->inertia[k]);
     }
-    t->weight = fmin(t->weight, body->mass * gravity_of(scene) * scene->dt);
+    t->weight = fmin(t->weight, body->mass * f->gravity * f->scene->dt);
 }
 
 /* Whether the impulse acted at the middle of its interval. */
@@ -198,19 +234,20 @@ static bool acts_at_middle(const pl_contact_time *time)
 }
 
 /* Contact i of the step. */
-static touch touch_of(const pl_scene *scene, int i, const pl_contact_velocity *velocity,
+static touch touch_of(const pl_contact_force *f, int i, const pl_contact_velocity *velocity,
                       const pl_step *step)
 {
+    const pl_scene *scene = f->scene;
     const pl_contact *contact = &step->contacts[i];
     const pl_contact_time *time = step->times != NULL ? &step->times[i] : NULL;
     const int a = contact->body_a, b = contact->body_b;
     touch t = {.weight = HUGE_VAL};
     pl_scene_pair(scene, scene->bodies[a].material, scene->bodies[b].material, &t.friction,
                   &t.restitution);
-    add_side(scene, a, time != NULL ? pl_vec_of(time->acts.arm_a) : arm_of(scene, a, contact, step),
-             step, &t);
-    add_side(scene, b, time != NULL ? pl_vec_of(time->acts.arm_b) : arm_of(scene, b, contact, step),
-             step, &t);
+    add_side(f, a, time != NULL ? pl_vec_of(time->acts.arm_a) : arm_of(scene, a, contact, step),
+             &t);
+    add_side(f, b, time != NULL ? pl_vec_of(time->acts.arm_b) : arm_of(scene, b, contact, step),
+             &t);
     const pl_vec n = pl_vec_of(time != NULL ? time->acts.normal : contact->normal);
     const pl_vec at_end = pl_vec_of(time != NULL ? time->holds.normal : contact->normal);
     const double dt = time != NULL ? time->end - time->begin : scene->dt;
@@ -221,7 +258,8 @@ static touch touch_of(const pl_scene *scene, int i, const pl_contact_velocity *v
     /* A gap closes over an interval, not in the instant of an impact. */
     t.normal_velocity += dt > 0 ? fmax(contact->separation, 0) / dt : 0;
     t.tangent_velocity = pl_vec_reject(pl_vec_reject(velocity->left, at_end), n);
-    t.mean_slip = acts_at_middle(time) ? pl_vec_reject(velocity->mean, n) : t.tangent_velocity;
+    t.has_mean_slip = acts_at_middle(time);
+    t.mean_slip = pl_vec_reject(velocity->mean, n);
     return t;
 }
 
@@ -250,50 +288,61 @@ static double natural_map_at(const touch *t, pl_vec slip)
  * mean slip: the one is due where the slip stops, the other where it goes on. */
 static double natural_map(const touch *t)
 {
-    return fmin(natural_map_at(t, t->tangent_velocity), natural_map_at(t, t->mean_slip));
+    const double at_end = natural_map_at(t, t->tangent_velocity);
+    return t->has_mean_slip ? fmin(at_end, natural_map_at(t, t->mean_slip)) : at_end;
 }
 
-/* Friction of a contact that bears a load, in a scene with gravity. */
-static void see_friction(pl_contact_force *f, long step, const touch *t, worst *most)
+/* Friction of a contact that bears a load, in a scene with gravity. Returns its ratio to the normal
+ * impulse where the contact slides, and NAN elsewhere. */
+static double see_friction(const pl_contact_force *f, const touch *t, worst *most)
 {
     double normal = t->normal_impulse, tangent = pl_vec_length(t->tangent_impulse);
     if (!(t->friction > 0 && t->weight > 0 && normal > LIGHT * t->weight)) {
-        return;
+        return (double)NAN;
     }
     double limit = t->friction * normal;
     most->cone = larger(most->cone, fmax(tangent - limit, 0) / limit);
     /* A contact that sticks may creep, but no faster than by what gravity adds in a step. */
-    if (pl_vec_length(t->tangent_velocity) > f->scene->dt * gravity_of(f->scene)) {
-        pl_series_add(&f->series[OF_FRICTION], tangent / normal, step);
-    }
+    const bool slides = pl_vec_length(t->tangent_velocity) > f->scene->dt * f->gravity;
+    return slides ? tangent / normal : (double)NAN;
 }
 
-static void see_contact(pl_contact_force *f, const pl_step *step, int i,
-                        const pl_contact_velocity *velocity, worst *most)
+static double see_contact(const pl_contact_force *f, const pl_step *step, int i,
+                          const pl_contact_velocity *velocity, worst *most)
 {
-    const touch t = touch_of(f->scene, i, velocity, step);
+    const touch t = touch_of(f, i, velocity, step);
     if (!(t.inverse_mass > 0)) {
-        return; /* both are static */
+        return (double)NAN; /* both are static */
     }
-    see_friction(f, step->number, &t, most);
+    const double slide = see_friction(f, &t, most);
     if (t.restitution == 0) {
         double power = fabs(t.normal_impulse * t.normal_velocity) / f->scene->dt;
         most->signorini = larger(most->signorini, power);
         most->natural_map = larger(most->natural_map, natural_map(&t));
     }
+    return slide;
 }
 
-/* Contacts of a step on their way to its worst values. */
-typedef struct judging {
-    pl_contact_force *force;
-    const pl_step *step;
-    worst most;
-} judging;
-
-static void judge(void *context, int i, const pl_contact_velocity *velocity)
+static pl_contact_velocity velocity_of(const pl_contact_force *f, const pl_step *step, int i)
 {
-    judging *j = context;
-    see_contact(j->force, j->step, i, velocity, &j->most);
+    if (step->times != NULL) {
+        return pl_contact_motion_velocity(f->motion, step, i);
+    }
+    const pl_contact *c = &step->contacts[i];
+    return (pl_contact_velocity){.left = pl_vec_sub(point_velocity(f->scene, c->body_b, c, step),
+                                                    point_velocity(f->scene, c->body_a, c, step))};
+}
+
+static void see_contacts(void *context, int begin, int end)
+{
+    const judging *j = context;
+    const pl_contact_force *f = j->force;
+    worst most = {-1, -1, -1};
+    for (int i = begin; i < end; ++i) {
+        const pl_contact_velocity velocity = velocity_of(f, j->step, i);
+        f->slides[i] = see_contact(f, j->step, i, &velocity, &most);
+    }
+    f->most[begin / PIECE] = most;
 }
 
 static void add_worst(pl_contact_force *f, series_id id, double value, long step)
@@ -306,21 +355,27 @@ static void add_worst(pl_contact_force *f, series_id id, double value, long step
 void pl_contact_force_step(pl_contact_force *f, const pl_step *step)
 {
     f->unreported = f->unreported || step->contact_count < 0;
-    if (f->unreported) {
+    if (f->unreported || f->no_memory) {
         return;
     }
-    judging j = {f, step, {-1, -1, -1}};
+    f->no_memory = !pl_contact_motion_step(f->motion, step) || !reserve(f, step->contact_count);
+    if (f->no_memory) {
+        return;
+    }
+    judging j = {f, step};
+    pl_thread_pool_run(step->pool, f->scene->body_count, PIECE, see_bodies, &j);
     see_balance(f, step);
-    if (step->times != NULL) {
-        pl_contact_motion_step(f->motion, step, judge, &j);
+    pl_thread_pool_run(step->pool, step->contact_count, PIECE, see_contacts, &j);
+    worst most = {-1, -1, -1};
+    for (int i = 0; i < step->contact_count; i += PIECE) {
+        const worst *piece = &f->most[i / PIECE];
+        most.cone = fmax(most.cone, piece->cone);
+        most.signorini = fmax(most.signorini, piece->signorini);
+        most.natural_map = fmax(most.natural_map, piece->natural_map);
     }
-    for (int i = 0; i < step->contact_count && step->times == NULL; ++i) {
-        const pl_contact *c = &step->contacts[i];
-        const pl_vec left = pl_vec_sub(point_velocity(f->scene, c->body_b, c, step),
-                                       point_velocity(f->scene, c->body_a, c, step));
-        judge(&j, i, &(pl_contact_velocity){.left = left});
+    for (int i = 0; i < step->contact_count; ++i) {
+        pl_series_add(&f->series[OF_FRICTION], f->slides[i], step->number);
     }
-    const worst most = j.most;
     add_worst(f, OF_CONE, most.cone, step->number);
     add_worst(f, OF_SIGNORINI, most.signorini, step->number);
     add_worst(f, OF_NATURAL_MAP, most.natural_map, step->number);
@@ -330,6 +385,9 @@ void pl_contact_force_step(pl_contact_force *f, const pl_step *step)
 
 static pl_metric metric_of(const pl_contact_force *f, const pl_series *series, double value)
 {
+    if (f->no_memory) {
+        return pl_metric_failed("no memory for the contacts of a step");
+    }
     bool applies = !f->unreported && series->count > 0;
     return applies ? pl_series_metric(series, value) : (pl_metric){0};
 }

@@ -10,26 +10,80 @@ enum { ROTATION_PARTS = 4 };
 /* Of the step: intervals that end this near to its end are the last. */
 static const double LAST = 1e-9;
 
+/* No side, or no solve. */
+enum { NONE = -1 };
+
+/* Room to begin with. */
+enum { CONTACTS_PER_BODY = 8, LEAST_CONTACTS = 64 };
+
+enum { PIECE = 512 /* bodies that are followed together */ };
+
+/* A body's part in the contacts that one solve has of it. A side is one body's part in a contact:
+ * 2 i for body A of contact i, 2 i + 1 for body B. */
+typedef struct solve {
+    int first;             /* side */
+    int next;              /* solve of the body */
+    pl_vec v, w;           /* before it, m/s, rad/s */
+    pl_vec left_v, left_w; /* the velocities that it leaves, m/s, rad/s */
+} solve;
+
+/* The contacts of a body in the step. */
+typedef struct body_contacts {
+    int first_side, last_side;
+    int first_solve, last_solve;
+    int run;               /* of contacts of the same order: that of the last side */
+    pl_vec rest_v, rest_w; /* what the step's end has besides, m/s, rad/s */
+} body_contacts;
+
+struct pl_contact_motion {
+    const pl_scene *scene;
+    pl_arena *arena;
+    pl_vec gravity;
+    body_contacts *bodies; /* (body_count); none of static ones */
+    int *next;             /* (2 x contact_capacity): the next side of the same body */
+    int *solve_of;         /* (2 x contact_capacity): the solve of a side */
+    int contact_capacity;
+    solve *solves; /* (solve_count) */
+    int solve_count, solve_capacity;
+};
+
 /* A body on its way through the step. */
 typedef struct track {
     double time;        /* s since the start of the step */
     pl_vec v, momentum; /* m/s; angular about the centre of mass, N m s, world */
     pl_axes axes;       /* principal */
-
-    bool open;               /* has a contact in the solve at hand */
-    bool found;              /* left_v and left_w are those of the solve */
-    double end;              /* s, of the solve */
-    pl_vec impulse, angular; /* N s, N m s: of the solve, so far */
-    pl_vec left_v, left_w;   /* the velocities that it leaves, m/s, rad/s */
-
-    pl_vec rest_v, rest_w; /* what the step's end has besides, m/s, rad/s */
 } track;
 
-struct pl_contact_motion {
-    const pl_scene *scene;
-    pl_vec gravity;
-    track *tracks; /* (body_count) */
-};
+/* ---- Memory ---- */
+
+/* The memory of smaller arrays is the arena's until its end. */
+static bool reserve_contacts(pl_contact_motion *m, int count)
+{
+    if (count <= m->contact_capacity) {
+        return true;
+    }
+    const int doubled = 2 * m->contact_capacity, capacity = doubled > count ? doubled : count;
+    m->next = pl_arena_take(m->arena, 2 * (size_t)capacity, sizeof *m->next);
+    m->solve_of = pl_arena_take(m->arena, 2 * (size_t)capacity, sizeof *m->solve_of);
+    m->contact_capacity = m->next != NULL && m->solve_of != NULL ? capacity : 0;
+    return m->contact_capacity > 0;
+}
+
+static bool reserve_solve(pl_contact_motion *m)
+{
+    if (m->solve_count < m->solve_capacity) {
+        return true;
+    }
+    const int capacity = 2 * m->solve_capacity + 1;
+    solve *solves = pl_arena_take(m->arena, (size_t)capacity, sizeof *solves);
+    if (solves == NULL) {
+        return false;
+    }
+    memcpy(solves, m->solves, (size_t)m->solve_count * sizeof *solves);
+    m->solves = solves;
+    m->solve_capacity = capacity;
+    return true;
+}
 
 pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *arena)
 {
@@ -38,9 +92,14 @@ pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *are
         return NULL;
     }
     m->scene = scene;
+    m->arena = arena;
     m->gravity = pl_vec_of(scene->gravity);
-    m->tracks = pl_arena_take(arena, (size_t)scene->body_count, sizeof *m->tracks);
-    return m->tracks != NULL ? m : NULL;
+    m->solve_capacity = scene->body_count;
+    m->bodies = pl_arena_take(arena, (size_t)scene->body_count, sizeof *m->bodies);
+    m->solves = pl_arena_take(arena, (size_t)scene->body_count, sizeof *m->solves);
+    const bool has_room =
+        reserve_contacts(m, LEAST_CONTACTS + CONTACTS_PER_BODY * scene->body_count);
+    return m->bodies != NULL && m->solves != NULL && has_room ? m : NULL;
 }
 
 /* ---- Rotation ---- */
@@ -82,164 +141,199 @@ static void rotate_freely(pl_axes *axes, const double inertia[3], pl_vec momentu
     }
 }
 
-/* ---- A solve ---- */
+/* ---- The contacts of each body ---- */
 
-static void advance(const pl_contact_motion *m, int body, double to)
+/* Adds a side to its body's solves: to the last one if that is of the same run. */
+static bool add_to_solve(pl_contact_motion *m, body_contacts *b, int side, int run)
 {
-    track *t = &m->tracks[body];
+    if (b->first_solve != NONE && b->run == run) {
+        m->solve_of[side] = b->last_solve;
+        return true;
+    }
+    if (!reserve_solve(m)) {
+        return false;
+    }
+    const int added = m->solve_count++;
+    m->solves[added].first = side;
+    m->solves[added].next = NONE;
+    if (b->first_solve == NONE) {
+        b->first_solve = added;
+    } else {
+        m->solves[b->last_solve].next = added;
+    }
+    b->last_solve = added;
+    b->run = run;
+    m->solve_of[side] = added;
+    return true;
+}
+
+static bool add_side(pl_contact_motion *m, int body, int side, int run, bool has_times)
+{
+    body_contacts *b = &m->bodies[body];
+    if (m->scene->bodies[body].is_static) {
+        return true;
+    }
+    m->next[side] = NONE;
+    if (b->first_side == NONE) {
+        b->first_side = side;
+    } else {
+        m->next[b->last_side] = side;
+    }
+    b->last_side = side;
+    return !has_times || add_to_solve(m, b, side, run);
+}
+
+/* Lists the sides and the solves of each body, in their order. */
+static bool list_sides(pl_contact_motion *m, const pl_step *step)
+{
+    bool added = reserve_contacts(m, step->contact_count);
+    int run = 0;
+    m->solve_count = 0;
+    for (int i = 0; i < m->scene->body_count; ++i) {
+        m->bodies[i].first_side = m->bodies[i].first_solve = NONE;
+    }
+    for (int i = 0; i < step->contact_count && added; ++i) {
+        const bool has_times = step->times != NULL;
+        run += has_times && i > 0 && step->times[i].order != step->times[i - 1].order;
+        added = add_side(m, step->contacts[i].body_a, 2 * i, run, has_times) &&
+                add_side(m, step->contacts[i].body_b, 2 * i + 1, run, has_times);
+    }
+    return added;
+}
+
+/* The impulse of a side on its body, N s. */
+static pl_vec impulse_of(const pl_step *step, int side)
+{
+    const pl_vec impulse = pl_vec_of(step->contacts[side / 2].impulse);
+    return side % 2 == 1 ? impulse : pl_vec_scale(impulse, -1);
+}
+
+pl_vec pl_contact_motion_add_impulses(const pl_contact_motion *m, const pl_step *step, int body,
+                                      pl_vec sum)
+{
+    for (int side = m->bodies[body].first_side; side != NONE; side = m->next[side]) {
+        sum = pl_vec_add(sum, impulse_of(step, side));
+    }
+    return sum;
+}
+
+/* ---- A body ---- */
+
+static void advance(const pl_contact_motion *m, const double inertia[3], double to, track *t)
+{
     const double dt = fmax(to - t->time, 0);
     t->v = pl_vec_mad(t->v, dt, m->gravity);
-    rotate_freely(&t->axes, m->scene->bodies[body].inertia, t->momentum, dt);
+    rotate_freely(&t->axes, inertia, t->momentum, dt);
     t->time = fmax(to, t->time);
 }
 
-/* Adds one body's part of a contact's impulse to the solve. */
-static void add_impulse(const pl_contact_motion *m, int body, const pl_contact_time *time,
-                        const double arm[3], pl_vec impulse)
+/* Takes a body through a solve. */
+static void follow_solve(const pl_contact_motion *m, const pl_step *step, const pl_body *body,
+                         solve *s, track *t)
 {
-    track *t = &m->tracks[body];
+    const double *inertia = body->inertia;
+    const pl_contact_time *first = &step->times[s->first / 2];
+    const int end = s->next == NONE ? NONE : m->solves[s->next].first;
+    pl_vec impulse = {0, 0, 0}, angular = {0, 0, 0};
+    advance(m, inertia, first->begin, t);
+    for (int side = s->first; side != end; side = m->next[side]) {
+        const pl_contact_place *acts = &step->times[side / 2].acts;
+        const pl_vec arm = pl_vec_of(side % 2 == 1 ? acts->arm_b : acts->arm_a);
+        const pl_vec part = impulse_of(step, side);
+        impulse = pl_vec_add(impulse, part);
+        angular = pl_vec_add(angular, pl_vec_cross(arm, part));
+    }
+    const double dt = fmax(first->end - t->time, 0);
+    pl_axes free = t->axes;
+    rotate_freely(&free, inertia, t->momentum, dt);
+    s->v = t->v;
+    s->w = inertia_times(&t->axes, inertia, true, t->momentum);
+    s->left_v = pl_vec_mad(pl_vec_mad(t->v, dt, m->gravity), 1 / body->mass, impulse);
+    s->left_w = pl_vec_add(inertia_times(&free, inertia, true, t->momentum),
+                           inertia_times(&t->axes, inertia, true, angular));
+    rotate(&t->axes, pl_vec_scale(pl_vec_add(s->w, s->left_w), 0.5 * dt));
+    t->v = s->left_v;
+    t->momentum = pl_vec_add(t->momentum, angular);
+    t->time = fmax(first->end, t->time);
+}
+
+/* Takes a body through the step, and compares the end that the impulses explain with the one
+ * reported. */
+static void follow_body(const pl_contact_motion *m, const pl_step *step, int index)
+{
+    const pl_body *body = &m->scene->bodies[index];
+    const pl_body_state *before = &step->before[index], *after = &step->after[index];
+    body_contacts *b = &m->bodies[index];
+    track t = {.v = pl_vec_of(before->velocity),
+               .axes = pl_principal_axes(&body->shape, before->orientation)};
+    t.momentum = inertia_times(&t.axes, body->inertia, false, pl_vec_of(before->angular_velocity));
+    for (int s = b->first_solve; s != NONE; s = m->solves[s].next) {
+        follow_solve(m, step, body, &m->solves[s], &t);
+    }
+    advance(m, body->inertia, m->scene->dt, &t);
+    const pl_axes axes = pl_principal_axes(&body->shape, after->orientation);
+    b->rest_v = pl_vec_sub(pl_vec_of(after->velocity), t.v);
+    b->rest_w = pl_vec_sub(pl_vec_of(after->angular_velocity),
+                           inertia_times(&axes, body->inertia, true, t.momentum));
+}
+
+/* A step at work. */
+typedef struct work {
+    const pl_contact_motion *motion;
+    const pl_step *step;
+} work;
+
+static void follow_bodies(void *context, int begin, int end)
+{
+    const work *w = context;
+    for (int i = begin; i < end; ++i) {
+        if (w->motion->bodies[i].first_solve != NONE) {
+            follow_body(w->motion, w->step, i);
+        }
+    }
+}
+
+bool pl_contact_motion_step(pl_contact_motion *m, const pl_step *step)
+{
+    if (!list_sides(m, step)) {
+        return false;
+    }
+    if (step->times != NULL) {
+        pl_thread_pool_run(step->pool, m->scene->body_count, PIECE, follow_bodies,
+                           &(work){m, step});
+    }
+    return true;
+}
+
+/* ---- A contact ---- */
+
+/* Adds the velocities of the point of side `side`, on `body`, with a sign. `last`: the solve ends
+ * with the step. */
+static void add_point_velocity(const pl_contact_motion *m, int body, int side, const double acts[3],
+                               const double holds[3], bool last, pl_contact_velocity *u)
+{
+    const body_contacts *b = &m->bodies[body];
+    const double sign = side % 2 == 1 ? 1 : -1;
     if (m->scene->bodies[body].is_static) {
         return;
     }
-    if (!t->open) {
-        advance(m, body, time->begin);
-        t->open = true;
-        t->found = false;
-        t->end = time->end;
-        t->impulse = t->angular = (pl_vec){0, 0, 0};
-    }
-    t->impulse = pl_vec_add(t->impulse, impulse);
-    t->angular = pl_vec_add(t->angular, pl_vec_cross(pl_vec_of(arm), impulse));
-}
-
-/* Sets the velocities that the solve leaves to a body, without what the step's end has besides. */
-static void find_left(const pl_contact_motion *m, int index)
-{
-    const pl_body *body = &m->scene->bodies[index];
-    track *t = &m->tracks[index];
-    if (!t->open || t->found) {
-        return;
-    }
-    t->found = true;
-    const double dt = fmax(t->end - t->time, 0);
-    pl_axes free = t->axes;
-    rotate_freely(&free, body->inertia, t->momentum, dt);
-    t->left_v = pl_vec_mad(pl_vec_mad(t->v, dt, m->gravity), 1 / body->mass, t->impulse);
-    t->left_w = pl_vec_add(inertia_times(&free, body->inertia, true, t->momentum),
-                           inertia_times(&t->axes, body->inertia, true, t->angular));
-}
-
-/* Takes the body to the end of the solve. */
-static void close_solve(const pl_contact_motion *m, int index)
-{
-    const double *inertia = m->scene->bodies[index].inertia;
-    track *t = &m->tracks[index];
-    if (t->open) {
-        const pl_vec before = inertia_times(&t->axes, inertia, true, t->momentum);
-        const double dt = fmax(t->end - t->time, 0);
-        rotate(&t->axes, pl_vec_scale(pl_vec_add(before, t->left_w), 0.5 * dt));
-        t->v = t->left_v;
-        t->momentum = pl_vec_add(t->momentum, t->angular);
-        t->time = fmax(t->end, t->time);
-        t->open = false;
-    }
-}
-
-/* Adds the velocities of one body's point, with a sign. `last`: the solve ends with the step. */
-static void add_point_velocity(const pl_contact_motion *m, int index, double sign,
-                               const double acts[3], const double holds[3], bool last,
-                               pl_contact_velocity *u)
-{
-    const pl_body *body = &m->scene->bodies[index];
-    const track *t = &m->tracks[index];
-    if (body->is_static) {
-        return;
-    }
-    const pl_vec v = last ? pl_vec_add(t->left_v, t->rest_v) : t->left_v;
-    const pl_vec w = last ? pl_vec_add(t->left_w, t->rest_w) : t->left_w;
-    const pl_vec before = inertia_times(&t->axes, body->inertia, true, t->momentum);
-    const pl_vec mean_v = pl_vec_scale(pl_vec_add(v, t->v), 0.5);
-    const pl_vec mean_w = pl_vec_scale(pl_vec_add(w, before), 0.5);
+    const solve *s = &m->solves[m->solve_of[side]];
+    const pl_vec v = last ? pl_vec_add(s->left_v, b->rest_v) : s->left_v;
+    const pl_vec w = last ? pl_vec_add(s->left_w, b->rest_w) : s->left_w;
+    const pl_vec mean_v = pl_vec_scale(pl_vec_add(v, s->v), 0.5);
+    const pl_vec mean_w = pl_vec_scale(pl_vec_add(w, s->w), 0.5);
     u->left = pl_vec_mad(u->left, sign, pl_vec_add(v, pl_vec_cross(w, pl_vec_of(holds))));
     u->mean = pl_vec_mad(u->mean, sign, pl_vec_add(mean_v, pl_vec_cross(mean_w, pl_vec_of(acts))));
 }
 
-/* ---- A step ---- */
-
-static void begin_step(pl_contact_motion *m, const pl_step *step)
+pl_contact_velocity pl_contact_motion_velocity(const pl_contact_motion *m, const pl_step *step,
+                                               int i)
 {
-    for (int i = 0; i < m->scene->body_count; ++i) {
-        const pl_body *body = &m->scene->bodies[i];
-        const pl_body_state *before = &step->before[i];
-        track *t = &m->tracks[i];
-        t->time = 0;
-        t->open = false;
-        if (!body->is_static) {
-            t->v = pl_vec_of(before->velocity);
-            t->axes = pl_principal_axes(&body->shape, before->orientation);
-            t->momentum =
-                inertia_times(&t->axes, body->inertia, false, pl_vec_of(before->angular_velocity));
-        }
-    }
-}
-
-/* Follows the step, and visits its contacts unless `visit` is NULL. */
-static void follow(pl_contact_motion *m, const pl_step *step, pl_contact_visit *visit,
-                   void *context)
-{
-    const double last = (1 - LAST) * m->scene->dt;
-    begin_step(m, step);
-    for (int first = 0, end; first < step->contact_count; first = end) {
-        for (end = first;
-             end < step->contact_count && step->times[end].order == step->times[first].order;
-             ++end) {
-            const pl_contact *c = &step->contacts[end];
-            const pl_contact_time *time = &step->times[end];
-            const pl_vec impulse = pl_vec_of(c->impulse);
-            add_impulse(m, c->body_a, time, time->acts.arm_a, pl_vec_scale(impulse, -1));
-            add_impulse(m, c->body_b, time, time->acts.arm_b, impulse);
-        }
-        for (int i = first; i < end; ++i) {
-            find_left(m, step->contacts[i].body_a);
-            find_left(m, step->contacts[i].body_b);
-        }
-        for (int i = first; i < end && visit != NULL; ++i) {
-            const pl_contact *c = &step->contacts[i];
-            const pl_contact_place *acts = &step->times[i].acts, *holds = &step->times[i].holds;
-            const bool at_end = step->times[i].end >= last;
-            pl_contact_velocity u = {{0, 0, 0}, {0, 0, 0}};
-            add_point_velocity(m, c->body_a, -1, acts->arm_a, holds->arm_a, at_end, &u);
-            add_point_velocity(m, c->body_b, 1, acts->arm_b, holds->arm_b, at_end, &u);
-            visit(context, i, &u);
-        }
-        for (int i = first; i < end; ++i) {
-            close_solve(m, step->contacts[i].body_a);
-            close_solve(m, step->contacts[i].body_b);
-        }
-    }
-}
-
-/* Compares the end of the step that the impulses explain with the one reported. */
-static void find_rest(pl_contact_motion *m, const pl_step *step)
-{
-    for (int i = 0; i < m->scene->body_count; ++i) {
-        const pl_body *body = &m->scene->bodies[i];
-        track *t = &m->tracks[i];
-        if (!body->is_static) {
-            advance(m, i, m->scene->dt);
-            const pl_body_state *after = &step->after[i];
-            const pl_axes axes = pl_principal_axes(&body->shape, after->orientation);
-            t->rest_v = pl_vec_sub(pl_vec_of(after->velocity), t->v);
-            t->rest_w = pl_vec_sub(pl_vec_of(after->angular_velocity),
-                                   inertia_times(&axes, body->inertia, true, t->momentum));
-        }
-    }
-}
-
-void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step, pl_contact_visit *visit,
-                            void *context)
-{
-    follow(motion, step, NULL, NULL);
-    find_rest(motion, step);
-    follow(motion, step, visit, context);
+    const pl_contact *c = &step->contacts[i];
+    const pl_contact_place *acts = &step->times[i].acts, *holds = &step->times[i].holds;
+    const bool last = step->times[i].end >= (1 - LAST) * m->scene->dt;
+    pl_contact_velocity u = {{0, 0, 0}, {0, 0, 0}};
+    add_point_velocity(m, c->body_a, 2 * i, acts->arm_a, holds->arm_a, last, &u);
+    add_point_velocity(m, c->body_b, 2 * i + 1, acts->arm_b, holds->arm_b, last, &u);
+    return u;
 }

@@ -15,11 +15,22 @@
 
 #include "mechanics.h"
 
+#include <stdbool.h>
+
 /* Memory for one step of all bodies. */
 typedef struct pl_contact_motion pl_contact_motion;
 
-/* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
+/* `scene` and `arena` must outlive it. Memory of the arena; NULL when out of memory. */
 pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *arena);
+
+/* Takes a step whose contacts are reported, and follows its bodies where the contacts have times.
+ * The functions below are about that step; several threads may call them. False when out of memory
+ * for so many contacts. */
+bool pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step);
+
+/* `sum` and the impulses of all contacts on a body that is not static, in their order, N s. */
+pl_vec pl_contact_motion_add_impulses(const pl_contact_motion *motion, const pl_step *step,
+                                      int body, pl_vec sum);
 
 /* Velocities of B's point relative to A's, m/s, world. */
 typedef struct pl_contact_velocity {
@@ -27,11 +38,8 @@ typedef struct pl_contact_velocity {
     pl_vec mean; /* of its begin and its end, where the impulse acted */
 } pl_contact_velocity;
 
-/* Takes contact i of a step. */
-typedef void pl_contact_visit(void *context, int i, const pl_contact_velocity *velocity);
-
-/* Visits all contacts of a step whose times are known, in their order. */
-void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step, pl_contact_visit *visit,
-                            void *context);
+/* Those of contact i, in a step whose contacts have times. */
+pl_contact_velocity pl_contact_motion_velocity(const pl_contact_motion *motion, const pl_step *step,
+                                               int i);
 
 #endif

@@ -123,6 +123,26 @@ typedef struct rounding {
     double energy, momentum, angular;
 } rounding;
 
+/* How far the arms of impulses on a body move in a step, by each rule: share x moved, m. */
+typedef struct arm_shift {
+    pl_vec moved;
+    double share[PL_POSITION_RULE_COUNT];
+} arm_shift;
+
+/* An impulse of gravity or of a contact, and what it adds to the sums of all bodies. Such parts are
+ * found by several threads, and then added in the order of bodies and contacts. */
+typedef struct part {
+    bool is_none;     /* nothing is to be added */
+    bool is_external; /* otherwise only its rounding counts */
+    bool is_contact;  /* with a static body */
+    pl_vec impulse, torque;
+    pl_vec moment[PL_POSITION_RULE_COUNT]; /* of the impulse, about the origin */
+    rounding blur;
+} part;
+
+/* Parts that are found together. */
+enum { PIECE = 512, MOST_TOGETHER = 64 * PIECE };
+
 struct pl_mechanics {
     const pl_scene *scene;
     pl_vec *origin;                         /* (body_count): centres of mass at the start */
@@ -136,6 +156,9 @@ struct pl_mechanics {
     rounding blur;
     pl_integrator_votes votes;
     bool has_contact; /* with a static body, in some step */
+    arm_shift *arms;  /* (body_count): of dynamic bodies, in the step */
+    part *parts;      /* (part_capacity) */
+    int part_capacity;
 };
 
 pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
@@ -150,6 +173,9 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
     m->turned = pl_arena_take(arena, count, sizeof *m->turned);
     m->has_own_time = pl_arena_take(arena, count, sizeof *m->has_own_time);
     m->mean_shift = pl_arena_take(arena, count, sizeof *m->mean_shift);
+    m->arms = pl_arena_take(arena, count, sizeof *m->arms);
+    m->part_capacity = 4 * count < MOST_TOGETHER ? 4 * (int)count : MOST_TOGETHER;
+    m->parts = pl_arena_take(arena, (size_t)m->part_capacity, sizeof *m->parts);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         m->energy[k] = pl_arena_take(arena, count, sizeof *m->energy[k]);
         m->growth[k] = pl_arena_take(arena, count, sizeof *m->growth[k]);
@@ -222,11 +248,13 @@ static void measure(pl_mechanics *m, const pl_body_state *bodies)
     }
 }
 
-static void add_impulse_rounding(pl_mechanics *m, pl_vec point, pl_vec impulse)
+/* Adds what rounding explains of an impulse. */
+static void add_impulse_rounding(const pl_mechanics *m, pl_vec point, pl_vec impulse,
+                                 rounding *blur)
 {
     const double size = pl_step_rounding(&m->votes.engine) * pl_vec_length(impulse);
-    m->blur.momentum += size;
-    m->blur.angular += 2 * pl_vec_length(point) * size;
+    blur->momentum += size;
+    blur->angular += 2 * pl_vec_length(point) * size;
 }
 
 static void add_impulse(pl_mechanics *m, pl_position_rule k, pl_vec point, pl_vec impulse)
@@ -262,19 +290,81 @@ static double arm_share(const pl_mechanics *m, int body, const pl_step *step, pl
     return size > 0 ? 1 - fmin(fmax(c, 0), 1) : usual;
 }
 
-/* Adds an external impulse on a body at a world point of the start of the step. */
-static void add_body_impulse(pl_mechanics *m, int body, const pl_step *step, pl_vec point,
-                             pl_vec impulse)
+static arm_shift arm_shift_of(const pl_mechanics *m, int body, const pl_step *step)
 {
     const double usual[PL_POSITION_RULE_COUNT] = {
         [PL_SEMI_IMPLICIT] = pl_later_share(&m->votes.engine), [PL_SECOND_ORDER] = 0.5};
-    const pl_vec moved = displacement(m, body, step);
+    arm_shift arm = {.moved = displacement(m, body, step)};
     const pl_vec straight[PL_POSITION_RULE_COUNT] = {
-        [PL_SEMI_IMPLICIT] = moved, [PL_SECOND_ORDER] = pl_vec_sub(moved, m->turned[body])};
-    add_impulse_rounding(m, point, impulse);
+        [PL_SEMI_IMPLICIT] = arm.moved, [PL_SECOND_ORDER] = pl_vec_sub(arm.moved, m->turned[body])};
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        const double share = arm_share(m, body, step, straight[k], usual[k]);
-        add_impulse(m, (pl_position_rule)k, pl_vec_mad(point, share, moved), impulse);
+        arm.share[k] = arm_share(m, body, step, straight[k], usual[k]);
+    }
+    return arm;
+}
+
+/* Finds the moments of a part's impulse, which acts on a body that is at `point` at the start of the
+ * step. */
+static void find_moments(const arm_shift *arm, pl_vec point, part *p)
+{
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        p->moment[k] = pl_vec_cross(pl_vec_mad(point, arm->share[k], arm->moved), p->impulse);
+    }
+}
+
+/* The same of an impulse that acted where it is reported. */
+static void find_moments_there(pl_vec point, part *p)
+{
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        p->moment[k] = pl_vec_cross(point, p->impulse);
+    }
+}
+
+static void add_part(pl_mechanics *m, const part *p)
+{
+    external *given = &m->given;
+    m->has_contact = m->has_contact || p->is_contact;
+    m->blur.momentum += p->blur.momentum;
+    m->blur.angular += p->blur.angular;
+    for (int k = 0; k < PL_POSITION_RULE_COUNT && p->is_external; ++k) {
+        given->momentum[k] = pl_vec_add(given->momentum[k], p->impulse);
+        given->angular[k] = pl_vec_add(given->angular[k], p->moment[k]);
+        given->angular[k] = pl_vec_add(given->angular[k], p->torque);
+    }
+}
+
+/* Part `i` of those of a kind. */
+typedef part find_part(const pl_mechanics *m, const pl_step *step, int i);
+
+/* Parts at work. */
+typedef struct part_work {
+    const pl_mechanics *mechanics;
+    const pl_step *step;
+    find_part *find;
+    int first; /* number of the part that goes into parts[0] */
+} part_work;
+
+static void find_parts(void *context, int begin, int end)
+{
+    const part_work *w = context;
+    for (int i = begin; i < end; ++i) {
+        w->mechanics->parts[i] = w->find(w->mechanics, w->step, w->first + i);
+    }
+}
+
+/* Adds the parts of numbers below `count`. */
+static void add_parts(pl_mechanics *m, const pl_step *step, int count, find_part *find)
+{
+    part_work w = {m, step, find, 0};
+    for (int left = count; left > 0; left = count - w.first) {
+        const int together = left < m->part_capacity ? left : m->part_capacity;
+        pl_thread_pool_run(step->pool, together, PIECE, find_parts, &w);
+        for (int i = 0; i < together; ++i) {
+            if (!m->parts[i].is_none) {
+                add_part(m, &m->parts[i]);
+            }
+        }
+        w.first += together;
     }
 }
 
@@ -325,30 +415,25 @@ static void find_mean_shifts(pl_mechanics *m, const pl_step *step)
     }
 }
 
-/* Adds an external impulse at a world point where it acted. */
-static void add_impulse_there(pl_mechanics *m, pl_vec point, pl_vec impulse)
+/* Finds the shift of the body's arms too, which its contacts use. */
+static part gravity_on(const pl_mechanics *m, const pl_step *step, int i)
 {
-    add_impulse_rounding(m, point, impulse);
-    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        add_impulse(m, (pl_position_rule)k, point, impulse);
+    const pl_body *body = &m->scene->bodies[i];
+    part p = {.is_none = body->is_static, .is_external = true};
+    if (p.is_none) {
+        return p;
     }
-}
-
-static void add_gravity(pl_mechanics *m, const pl_step *step)
-{
-    pl_vec g = pl_vec_of(m->scene->gravity);
-    for (int i = 0; i < m->scene->body_count; ++i) {
-        const pl_body *body = &m->scene->bodies[i];
-        if (!body->is_static) {
-            const pl_vec centre = centre_of(m, step->before, i);
-            const pl_vec impulse = pl_vec_scale(g, body->mass * m->scene->dt);
-            if (m->has_own_time[i]) {
-                add_impulse_there(m, pl_vec_add(centre, m->mean_shift[i]), impulse);
-            } else {
-                add_body_impulse(m, i, step, centre, impulse);
-            }
-        }
+    p.impulse = pl_vec_scale(pl_vec_of(m->scene->gravity), body->mass * m->scene->dt);
+    pl_vec point = centre_of(m, step->before, i);
+    m->arms[i] = arm_shift_of(m, i, step);
+    if (m->has_own_time[i]) {
+        point = pl_vec_add(point, m->mean_shift[i]);
+        find_moments_there(point, &p);
+    } else {
+        find_moments(&m->arms[i], point, &p);
     }
+    add_impulse_rounding(m, point, p.impulse, &p.blur);
+    return p;
 }
 
 /* Velocity of the point at `arm` at a node of the step. At the midpoint it is chosen so that
@@ -393,7 +478,7 @@ static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *ste
                                       point_velocity(before, after, moved, dt, 2, arm));
             add_work(m, PL_SEMI_IMPLICIT, force->body, pl_vec_dot(impulse, twice) / 2);
             const pl_vec mean = pl_vec_mad(centre, pl_later_share(&m->votes.engine), moved);
-            add_impulse_rounding(m, pl_vec_add(mean, arm), impulse);
+            add_impulse_rounding(m, pl_vec_add(mean, arm), impulse, &m->blur);
             add_impulse(m, PL_SEMI_IMPLICIT, pl_vec_add(mean, arm), impulse);
         }
         impulse = pl_vec_scale(impulse, NODE_WEIGHTS[i]);
@@ -405,28 +490,23 @@ static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *ste
 }
 
 /* Impulses and torques between dynamic bodies cancel; those of static bodies are external. */
-static void add_contact(pl_mechanics *m, const pl_contact *contact, const pl_contact_time *time,
-                        const pl_step *step)
+static part impulse_of_contact(const pl_mechanics *m, const pl_step *step, int i)
 {
-    bool a_static = m->scene->bodies[contact->body_a].is_static;
-    bool b_static = m->scene->bodies[contact->body_b].is_static;
-    if (a_static == b_static) {
-        add_impulse_rounding(m, pl_vec_of(contact->point), pl_vec_of(contact->impulse));
-        return;
-    }
+    const pl_contact *contact = &step->contacts[i];
+    const bool a_static = m->scene->bodies[contact->body_a].is_static;
+    const bool b_static = m->scene->bodies[contact->body_b].is_static;
     const double sign = a_static ? 1 : -1;
-    m->has_contact = true;
+    part p = {.is_external = a_static != b_static, .is_contact = a_static != b_static};
     const pl_vec point = pl_vec_of(contact->point);
-    const pl_vec impulse = pl_vec_scale(pl_vec_of(contact->impulse), sign);
-    if (is_at_own_time(time, m->scene->dt)) {
-        add_impulse_there(m, point, impulse);
-    } else {
-        add_body_impulse(m, a_static ? contact->body_b : contact->body_a, step, point, impulse);
+    p.impulse = pl_vec_scale(pl_vec_of(contact->impulse), sign);
+    p.torque = pl_vec_scale(pl_vec_of(contact->torque), sign);
+    if (p.is_external && is_at_own_time(time_of(step, i), m->scene->dt)) {
+        find_moments_there(point, &p);
+    } else if (p.is_external) {
+        find_moments(&m->arms[a_static ? contact->body_b : contact->body_a], point, &p);
     }
-    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        pl_vec *angular = &m->given.angular[k];
-        *angular = pl_vec_mad(*angular, sign, pl_vec_of(contact->torque));
-    }
+    add_impulse_rounding(m, point, p.impulse, &p.blur);
+    return p;
 }
 
 void pl_mechanics_set_engine(pl_mechanics *m, const pl_referee_engine *engine)
@@ -472,7 +552,7 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
     find_turned(m, step);
     pl_integrator_see(&m->votes, m->scene, step->before, step->after, m->turned);
     find_mean_shifts(m, step);
-    add_gravity(m, step);
+    add_parts(m, step, m->scene->body_count, gravity_on);
     for (int i = 0; i < m->scene->force_count; ++i) {
         const pl_force *force = &m->scene->forces[i];
         if (!m->scene->bodies[force->body].is_static &&
@@ -480,9 +560,7 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
             add_force(m, force, step);
         }
     }
-    for (int i = 0; i < step->contact_count; ++i) {
-        add_contact(m, &step->contacts[i], time_of(step, i), step);
-    }
+    add_parts(m, step, step->contact_count, impulse_of_contact);
     measure(m, step->after);
 }
 

@@ -6,6 +6,7 @@
 #define PLUMB_MECHANICS_H
 
 #include "base/arena.h"
+#include "base/thread_pool.h"
 #include "integrator.h"
 #include "plumb/contact_times.h"
 #include "plumb/vec.h"
@@ -43,6 +44,7 @@ typedef struct pl_step {
     const pl_contact *contacts;          /* between bodies of the scene */
     const pl_contact_time *times;        /* of the contacts; NULL: all are of the whole step */
     int contact_count;                   /* < 0: the engine reports no contacts */
+    pl_thread_pool *pool;                /* NULL: one thread */
 } pl_step;
 
 /* Takes a step, whose contacts may be unreported. */

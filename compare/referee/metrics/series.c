@@ -30,12 +30,6 @@ static int bin_of(double value)
 bool pl_series_init(pl_series *series, pl_arena *arena)
 {
     *series = (pl_series){.bins = pl_arena_take(arena, PL_SERIES_BINS, sizeof *series->bins)};
-    if (series->bins != NULL) {
-        /* Writes every page now, which calloc leaves to the first use: memory of the referee must
-         * not look like growth of the engine's. The compiler may not drop this call, as it may a
-         * memset. */
-        explicit_bzero(series->bins, PL_SERIES_BINS * sizeof *series->bins);
-    }
     return series->bins != NULL;
 }
 

@@ -151,7 +151,7 @@ pl_ending pl_standing_judge(pl_standing *s, pl_candidate_pairs *pairs, const pl_
     s->worst = 0;
     memset(s->shift, 0, (size_t)scene->body_count * sizeof *s->shift);
     memset(s->has_neighbour, 0, (size_t)scene->body_count * sizeof *s->has_neighbour);
-    pl_candidate_pairs_each(pairs, s->rest, see_pair, s);
+    pl_candidate_pairs_each(pairs, s->rest, NULL, see_pair, s);
     if (distance > scene->collapse_distance && (s->worst > scene->collapse_distance || falls(s))) {
         (void)pl_fail(error, PL_FAILED,
                       "body \"%s\" ended %.3g m from its reference, beyond %.3g m",

@@ -19,9 +19,14 @@ const badge = (cell) => h('span', { class: `badge ${cell.style ?? ''}` }, cell.v
 function engineTable(report, test, runs) {
   const least = fastest(report, test), runtimeOf = (name) => report.engines.find((e) => e.name === name).runtime;
   const of = (cell, name) => ({ text: cell.metrics[name]?.[1] ?? '–', value: metric(cell, name), title: cell.metrics[name]?.[2] });
+  /* CPU time, and the elapsed time of an engine that is asked for several threads. */
+  const timeCell = (name, cell) => {
+    const cpu = of(cell, 'time_per_step'), wall = of(cell, 'wall_time_per_step');
+    return report.engines.find((e) => e.name === name).threads > 1 ? { ...cpu, text: `${cpu.text}, wall ${wall.text}` } : cpu;
+  };
   return table({ caption: `${test.name}: each engine`,
     columns: [{ name: 'engine' }, { name: 'verdict' }, { name: 'error', right: true }, { name: 'time a step', right: true }, { name: 'relative', right: true, title: 'to the fastest accurate native run' }, { name: 'deepest overlap', right: true }, { name: 'energy gained', right: true }, { name: 'iterations', right: true }, { name: 'why', wide: true }],
-    rows: runs.map(({ name, cell }) => [name, { text: cell.verdict, children: [badge(cell), cell.repeats ? h('span', { class: 'small' }, ` ${cell.repeats} repeats`) : null] }, of(cell, 'reference_error'), of(cell, 'time_per_step'),
+    rows: runs.map(({ name, cell }) => [name, { text: cell.verdict, children: [badge(cell), cell.repeats ? h('span', { class: 'small' }, ` ${cell.repeats} repeats`) : null] }, of(cell, 'reference_error'), timeCell(name, cell),
       { text: runtimeOf(name) ? `in ${runtimeOf(name)}` : Number.isFinite(least) && timeOf(cell) !== null ? `×${digits(timeOf(cell) / least)}` : '–', value: timeOf(cell) }, of(cell, 'penetration_max'), of(cell, 'energy_gain'), of(cell, 'iterations_mean'),
       [remark(test, cell), cell.why, cell.why?.includes(cell.note) ? '' : cell.note, cell.disagrees ? 'repeats differ' : ''].filter(Boolean).join('; ')]) });
 }
