@@ -160,8 +160,8 @@ static void test_height_and_nodes_stay_bounded_under_single_moves(void **state)
             f.box[item].high[k] += shift;
         }
         pe_tree_move(&f.tree, item, &f.box[item]);
-        assert_int_equal(pe_tree_update(&f.tree, (pe_workspace){&f.arena, &f.allocator}, NULL),
-                         PE_OK);
+        assert_int_equal(
+            pe_tree_update(&f.tree, (pe_workspace){&f.arena, &f.allocator, NULL}, NULL), PE_OK);
         pe_tree_unmark(&f.tree);
         const pe_tree_node *node = f.tree.node_array.items;
         assert_true(node[f.tree.root].height <= 96);
@@ -183,7 +183,7 @@ static void test_failed_update_can_be_repeated(void **state)
     }
     c.fail_at = c.calls;
     pe_error error = {0};
-    assert_int_equal(pe_tree_update(&f.tree, (pe_workspace){&f.arena, &f.allocator}, &error),
+    assert_int_equal(pe_tree_update(&f.tree, (pe_workspace){&f.arena, &f.allocator, NULL}, &error),
                      PE_NO_MEMORY);
     assert_contains(error.message, "199 boxes");
     c.fail_at = -1;

@@ -29,7 +29,8 @@ static found collide(const placed_shape *a, const placed_shape *b, double margin
     found f;
     pe_arena arena = {0};
     pe_allocator allocator = pe_allocator_default();
-    f.count = pe_collide(of(a), of(b), margin, (pe_workspace){&arena, &allocator}, f.manifold);
+    f.count =
+        pe_collide(of(a), of(b), margin, (pe_workspace){&arena, &allocator, NULL}, f.manifold);
     pe_arena_free(&arena, &allocator);
     assert_true(f.count >= 0 && f.count <= PE_MAX_MANIFOLDS);
     return f;
@@ -361,7 +362,8 @@ static void test_any_allocation_may_fail(void **state)
         c = (counter){.fail_at = k};
         pe_arena arena = {0};
         pe_pair_manifold manifolds[PE_MAX_MANIFOLDS];
-        int count = pe_collide(of(&a), of(&b), 0.01, (pe_workspace){&arena, &allocator}, manifolds);
+        int count =
+            pe_collide(of(&a), of(&b), 0.01, (pe_workspace){&arena, &allocator, NULL}, manifolds);
         all = k < 0 ? c.calls : all;
         assert_true(k < 0 ? count > 0 : count == -1);
         pe_arena_free(&arena, &allocator);

@@ -123,6 +123,71 @@ static void test_warm_islands_get_few_direct_iterations(void **state)
     }
 }
 
+/* No solver makes a factorisation that would exceed the flops that it may make. */
+static void test_flops_are_bounded(void **state)
+{
+    (void)state;
+    static const double parts[] = {0.5, 1, 3.5, 20};
+    static const pe_solve_function solvers[] = {pe_solve_newton, pe_solve_interior_point,
+                                                pe_solve_combined};
+    for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < 4; ++i) {
+            solving s;
+            pe_contact_problem *source = quiet_problem(5, 20);
+            solving_begin(&s, source);
+            const pe_solve_limits limits = {1e-12, 100};
+            const double most = parts[i] * s.pattern.flops;
+            pe_solve_report report = {.most_flops = most};
+            assert_int_equal(solvers[k](&s.problem, &limits, s.work, &report, NULL), PE_OK);
+            assert_at_most(report.factor_flops, most);
+            assert_true(report.iterations == (int)parts[i] || parts[i] > 4);
+            assert_true(report.stop != PE_STOP_CONVERGED);
+            if (parts[i] < 1) {
+                for (int j = 0; j < source->point_count; ++j) {
+                    assert_memory_equal(s.problem.impulse[j], source->points[j].impulse,
+                                        sizeof source->points[j].impulse);
+                }
+            }
+            pe_contact_problem_destroy(source);
+            solving_end(&s);
+        }
+    }
+}
+
+/* An island without impulses whose factor is dense, and which no impulses solve. All iterations together
+ * cost at most 8 x 16 times what the allowed sweeps do: 50 sweeps at 15 ns a point, against 0.14 ns a
+ * flop and 150 ns a point and iteration. */
+static void test_new_islands_are_bounded_by_the_cost_of_sweeps(void **state)
+{
+    (void)state;
+    int bounded = 0;
+    for (uint64_t seed = 1; seed <= 4; ++seed) {
+        solving s;
+        pe_contact_problem *source = problem_at_random(seed, 70, 1000);
+        for (int j = 0; j < source->point_count; ++j) {
+            memset(source->points[j].impulse, 0, sizeof source->points[j].impulse);
+        }
+        solving_begin(&s, source);
+        const pe_island_limits limits = {.tolerance = 1e-10,
+                                         .swept_tolerance = 1e9,
+                                         .max_updates = 1,
+                                         .most_sweeps = 30,
+                                         .max_iterations = 100000,
+                                         .patience = 1,
+                                         .settling_waits = true};
+        pe_island_report report = {.path = PE_PATH_NONE};
+        assert_int_equal(pe_solve_island(&s.problem, &limits, s.work, &report, NULL), PE_OK);
+        const double points = source->point_count;
+        const double swept = 15 * points * 50, one = 0.14 * s.pattern.flops + 150 * points;
+        assert_true(report.solve.iterations >= 20);
+        assert_at_most(report.solve.iterations * one, 8 * 16 * swept);
+        bounded += (report.solve.iterations + 1) * one > 8 * 16 * swept;
+        pe_contact_problem_destroy(source);
+        solving_end(&s);
+    }
+    assert_true(bounded > 0);
+}
+
 /* Where a NaN may come from. */
 static void poison(pe_contact_problem *problem, int place)
 {
@@ -241,6 +306,8 @@ int main(void)
         cmocka_unit_test(test_one_iteration_is_too_few_best_is_left),
         cmocka_unit_test(test_iteration_limits_hold_and_start_is_never_worsened),
         cmocka_unit_test(test_warm_islands_get_few_direct_iterations),
+        cmocka_unit_test(test_flops_are_bounded),
+        cmocka_unit_test(test_new_islands_are_bounded_by_the_cost_of_sweeps),
         cmocka_unit_test(test_nan_ends_and_is_not_converged),
         cmocka_unit_test(test_nan_leaves_the_starting_impulses),
         cmocka_unit_test(test_every_failed_allocation_is_reported),

@@ -75,7 +75,7 @@ static void test_all_triangle_pairs_within_bound_are_reported(void **state)
         tally parted = {.pair = &pair, .bound = bound};
         pe_each_near_facets(&pair, &bound, count_near, &parted);
         assert_int_equal(parted.near, want.near);
-        assert_true(pe_solid_pair_gather(&pair, bound, (pe_workspace){&arena, &allocator}));
+        assert_true(pe_solid_pair_gather(&pair, bound, (pe_workspace){&arena, &allocator, NULL}));
         gathered += pair.near_a.facets != NULL;
         tally each = {.pair = &pair, .bound = bound};
         pe_each_near_facets(&pair, &bound, count_near, &each);

@@ -286,6 +286,45 @@ static void test_any_solver_may_take_the_place_of_sweeps(void **state)
     pe_world_destroy(world);
 }
 
+/* Flops that `spend` has made, and how often it was called. */
+static double spent;
+static int solves;
+
+/* A solver that gains nothing, and takes as many flops as it may. */
+static pe_status spend(const pe_problem *problem, const pe_solve_limits *limits, pe_workspace work,
+                       pe_solve_report *report, pe_error *error)
+{
+    (void)problem;
+    (void)limits;
+    (void)work;
+    (void)error;
+    assert_true(report->most_flops > 0);
+    const double begun = report->factor_flops;
+    while (pe_solve_may_factor(report, 1e9)) {
+        report->factor_flops += 1e9;
+    }
+    spent += report->factor_flops - begun;
+    solves += 1;
+    return PE_OK;
+}
+
+static void test_flops_of_all_islands_are_bounded_together(void **state)
+{
+    (void)state;
+    pe_world *world = make_weightless_world();
+    for (int i = 0; i < 10; ++i) { /* five overlapping pairs */
+        pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(i / 2 * 10 + i % 2 * 0.999, 0, 0));
+        add_body(world, &def);
+    }
+    pe_correction_rules rules = pe_correction_rules_default();
+    rules.solver = spend;
+    pe_correction_report report = correct_by(world, &rules);
+    assert_at_most(report.penetration_left, rules.begin); /* by sweeps */
+    assert_true(solves >= 5);
+    assert_in_range((int)(spent / 1e9), 1, 5);
+    pe_world_destroy(world);
+}
+
 static void test_only_flagged_islands_are_corrected(void **state)
 {
     (void)state;
@@ -503,6 +542,7 @@ int main(void)
         cmocka_unit_test(test_heap_correction_keeps_mass_centre_and_momenta),
         cmocka_unit_test(test_contacts_afterwards_are_those_of_the_final_poses),
         cmocka_unit_test(test_any_solver_may_take_the_place_of_sweeps),
+        cmocka_unit_test(test_flops_of_all_islands_are_bounded_together),
         cmocka_unit_test(test_only_flagged_islands_are_corrected),
         cmocka_unit_test(test_excluded_bodies_stay_during_projection),
         cmocka_unit_test(test_deep_overlap_is_parted_over_several_steps),

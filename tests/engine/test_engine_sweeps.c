@@ -235,8 +235,8 @@ static void test_out_of_memory_is_reported(void **state)
         pe_solve_report report = {0};
         pe_error error = {0};
         pe_solve_limits limits = {1e-6, 10};
-        pe_status status = pe_solve_momentum(&b->problem, &limits,
-                                             (pe_workspace){&arena, &allocator}, &report, &error);
+        pe_status status = pe_solve_momentum(
+            &b->problem, &limits, (pe_workspace){&arena, &allocator, NULL}, &report, &error);
         pe_arena_free(&arena, &allocator);
         if (status == PE_OK) {
             assert_true(blocks > 3);

@@ -9,7 +9,7 @@ static inline void collide_convex(pe_placed a, pe_placed b, double margin,
                                   pe_pair_manifold *manifold)
 {
     pe_pair_manifold manifolds[PE_MAX_MANIFOLDS];
-    int count = pe_collide(a, b, margin, (pe_workspace){NULL, NULL}, manifolds);
+    int count = pe_collide(a, b, margin, (pe_workspace){NULL, NULL, NULL}, manifolds);
     *manifold = manifolds[0];
     manifold->count = count > 0 ? manifold->count : 0;
 }

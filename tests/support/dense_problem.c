@@ -30,7 +30,7 @@ static void release(void *context, void *block)
 pe_workspace test_memory_begin(test_memory *memory)
 {
     *memory = (test_memory){.allocator = {allocate, release, memory}};
-    return (pe_workspace){&memory->arena, &memory->allocator};
+    return (pe_workspace){&memory->arena, &memory->allocator, NULL};
 }
 
 void test_memory_end(test_memory *memory)

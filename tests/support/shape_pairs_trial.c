@@ -34,8 +34,8 @@ manifolds collide(const placed *a, const placed *b, double margin)
     pe_allocator allocator = pe_allocator_default();
     pe_arena arena = {0};
     manifolds found;
-    found.count = pe_collide(as_placed(a), as_placed(b), margin, (pe_workspace){&arena, &allocator},
-                             found.item);
+    found.count = pe_collide(as_placed(a), as_placed(b), margin,
+                             (pe_workspace){&arena, &allocator, NULL}, found.item);
     pe_arena_free(&arena, &allocator);
     assert_true(found.count >= 0);
     return found;

@@ -134,7 +134,7 @@ void bench_put_heap(sweep_bench *b, uint64_t seed, int bodies, int manifolds, in
 pe_workspace bench_workspace(sweep_bench *b)
 {
     pe_arena_reset(&b->arena, &b->allocator);
-    return (pe_workspace){&b->arena, &b->allocator};
+    return (pe_workspace){&b->arena, &b->allocator, NULL};
 }
 
 pe_solve_report bench_solve(sweep_bench *b, sweep_solver *by, double tolerance, int most)

@@ -72,10 +72,14 @@ void pe_arena_free(pe_arena *arena, const pe_allocator *allocator);
 /* FNV-1a over the numbers (Fowler, Noll, Vo 1991). */
 uint64_t pe_hash_ints(const int *numbers, int count);
 
-/* Where a function takes memory that its caller gives back. */
+/* The threads of a world (pool.h). */
+typedef struct pe_pool pe_pool;
+
+/* Where a function takes memory that its caller gives back, and the threads that it may use. */
 typedef struct pe_workspace {
     pe_arena *arena;
     const pe_allocator *allocator;
+    pe_pool *pool; /* NULL: the calling thread alone */
 } pe_workspace;
 
 /* pe_arena_take of the workspace. */

@@ -12,9 +12,6 @@
  * never run at the same time. */
 typedef void pe_piece(void *context, int worker, int begin, int end);
 
-/* The threads of one world. NULL stands for one thread. */
-typedef struct pe_pool pe_pool;
-
 /* Starts threads - 1 threads, or none if the def has a task system. The pool is the caller's to
  * destroy; NULL if the def asks for one thread. The settings must have been checked. PE_NO_MEMORY
  * where there is no memory or no thread for it. */

@@ -102,7 +102,7 @@ pe_status pe_geometry_make(const pe_geometry_def *def, const pe_allocator *alloc
     }
     *made = (pe_geometry){0};
     pe_arena scratch = {0};
-    status = make(made, def, allocator, (pe_workspace){&scratch, allocator}, error);
+    status = make(made, def, allocator, (pe_workspace){&scratch, allocator, NULL}, error);
     pe_arena_free(&scratch, allocator);
     if (status != PE_OK) {
         pe_geometry_free(made, allocator);

@@ -319,10 +319,10 @@ static inline pe_material_pair *pe_material_pair_of(const pe_world *world, int a
            (size_t)a * (size_t)world->material_count + b;
 }
 
-/* The step's arena as a workspace. */
+/* The step's arena, and the threads of the world, as a workspace. */
 static inline pe_workspace pe_step_memory(pe_world *world)
 {
-    return (pe_workspace){&world->arena, &world->allocator};
+    return (pe_workspace){&world->arena, &world->allocator, world->pool};
 }
 
 /* Memory from the step's arena, as pe_arena_take. */

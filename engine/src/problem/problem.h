@@ -18,7 +18,7 @@
 #ifndef PE_PROBLEM_H
 #define PE_PROBLEM_H
 
-#include "base/memory.h"
+#include "base/pool.h"
 #include "plumb/contact_problem.h"
 
 /* Mass and world-frame inertia of a body, all zero for a static one. Symmetric matrices are (xx,
@@ -50,10 +50,19 @@ typedef struct pe_problem {
     pe_solver_manifold *manifold; /* (manifold_count) */
     pe_solver_point *point;       /* (point_count) */
     double (*impulse)[3];         /* (point_count) x (n, t1, t2) */
+
+    /* Of a large problem that was built in a workspace with threads; else NULL. */
+    pe_pool *pool;     /* threads that share the loops over the problem */
+    int *side_start;   /* (body_count + 1): where the sides of a body begin */
+    int *side;         /* 2 x manifold + (0: the body is a, 1: it is b), ascending for each body */
+    double (*push)[6]; /* (manifold_count): scratch */
 } pe_problem;
 
-/* Takes the arrays of a problem whose counts are set from the workspace. The numbers of the static
- * body are set; the others are the caller's to fill. */
+/* Points from which a problem is large, and the manifolds and bodies of a piece of its loops. */
+enum { PE_LARGE_POINTS = 2048, PE_MANIFOLD_GRAIN = 128, PE_PROBLEM_BODY_GRAIN = 256 };
+
+/* Takes the arrays of a problem whose counts are set from the workspace, and its threads. The numbers
+ * of the static body are set; the others are the caller's to fill. */
 pe_status pe_problem_take(pe_problem *problem, pe_workspace work, pe_error *error);
 
 /* The arrays of a solution of `problem`, all zero, with room for so many marks; freed by
@@ -65,6 +74,10 @@ pe_status pe_contact_solution_take(const pe_contact_problem *problem, int mark_c
  * impulses. */
 pe_status pe_problem_of_data(const pe_contact_problem *data, pe_workspace work, pe_problem *problem,
                              pe_error *error);
+
+/* Lists the sides of the bodies, when the bodies of all manifolds are set, so that threads can share
+ * pe_problem_rebuild_velocity. Does nothing for a problem without threads. */
+pe_status pe_problem_list_sides(pe_problem *problem, pe_workspace work, pe_error *error);
 
 /* Sets the velocities to those of the impulses: v = v* + M^-1 J^T p. */
 void pe_problem_rebuild_velocity(const pe_problem *problem);
@@ -164,25 +177,48 @@ static inline void pe_wrench_add(const pe_solver_point *point, const double p[3]
     }
 }
 
+/* The force and torque on body B about the manifold's centre, in world axes, of a wrench in the
+ * manifold's frame. */
+static inline void pe_wrench_to_world(const pe_solver_manifold *manifold, const double wrench[6],
+                                      double push[6])
+{
+    const double *n = manifold->frame[0], *t1 = manifold->frame[1], *t2 = manifold->frame[2];
+    for (int k = 0; k < 3; ++k) {
+        push[k] = n[k] * wrench[0] + t1[k] * wrench[1] + t2[k] * wrench[2];
+        push[3 + k] = n[k] * wrench[3] + t1[k] * wrench[4] + t2[k] * wrench[5];
+    }
+}
+
+/* Adds to the momentum of body B, at this arm from its centre of mass, what pe_wrench_to_world gives. */
+static inline void pe_push_b(const double arm[3], const double push[6], double momentum[6])
+{
+    double moment[3];
+    pe_cross3(arm, push, moment);
+    for (int k = 0; k < 3; ++k) {
+        momentum[k] += push[k];
+        momentum[3 + k] += moment[k] + push[3 + k];
+    }
+}
+
+/* Subtracts the same from the momentum of body A. */
+static inline void pe_push_a(const double arm[3], const double push[6], double momentum[6])
+{
+    double moment[3];
+    pe_cross3(arm, push, moment);
+    for (int k = 0; k < 3; ++k) {
+        momentum[k] -= push[k];
+        momentum[3 + k] -= moment[k] + push[3 + k];
+    }
+}
+
 /* Adds J^T p to the momenta of all bodies, from the wrench on body B in the manifold's frame. */
 static inline void pe_solver_manifold_push(const pe_solver_manifold *manifold,
                                            const double wrench[6], double (*momentum)[6])
 {
-    const double *n = manifold->frame[0], *t1 = manifold->frame[1], *t2 = manifold->frame[2];
-    double *a = momentum[manifold->a], *b = momentum[manifold->b];
-    double force[3], torque[3], rA_f[3], rB_f[3];
-    for (int k = 0; k < 3; ++k) {
-        force[k] = n[k] * wrench[0] + t1[k] * wrench[1] + t2[k] * wrench[2];
-        torque[k] = n[k] * wrench[3] + t1[k] * wrench[4] + t2[k] * wrench[5];
-    }
-    pe_cross3(manifold->arm_a, force, rA_f);
-    pe_cross3(manifold->arm_b, force, rB_f);
-    for (int k = 0; k < 3; ++k) {
-        a[k] -= force[k];
-        b[k] += force[k];
-        a[3 + k] -= rA_f[k] + torque[k];
-        b[3 + k] += rB_f[k] + torque[k];
-    }
+    double push[6];
+    pe_wrench_to_world(manifold, wrench, push);
+    pe_push_a(manifold->arm_a, push, momentum[manifold->a]);
+    pe_push_b(manifold->arm_b, push, momentum[manifold->b]);
 }
 
 /* y = m x for a symmetric matrix (xx, xy, xz, yy, yz, zz) */

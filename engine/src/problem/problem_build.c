@@ -96,15 +96,26 @@ static pe_vec3 centre_of(const pe_manifold_point *points, int count)
     return pe_scale(1.0 / count, sum);
 }
 
-static void fill_bodies(const pe_world *world, const pe_free_motion *free, pe_island_problem *built)
+/* A problem while it is built. */
+typedef struct building {
+    const pe_world *world;
+    const pe_interval *interval;
+    pe_island_problem *built;
+} building;
+
+static void fill_bodies(void *context, int worker, int begin, int end)
 {
-    const pe_problem *problem = &built->problem;
-    for (int i = 0; i < problem->body_count; ++i) {
-        int slot = built->slot[i];
-        pe_twist end = free != NULL ? free[slot].end : (pe_twist){0};
+    (void)worker;
+    const building *b = context;
+    const pe_world *world = b->world;
+    const pe_problem *problem = &b->built->problem;
+    const pe_free_motion *free = b->interval->free;
+    for (int i = begin; i < end; ++i) {
+        int slot = b->built->slot[i];
+        pe_twist at_end = free != NULL ? free[slot].end : (pe_twist){0};
         problem->inertia[i] = inertia_of(&pe_masses(world)[slot], &pe_poses(world)[slot].rotation);
-        pe_v3_store(problem->free_velocity[i], end.velocity);
-        pe_v3_store(problem->free_velocity[i] + 3, end.angular_velocity);
+        pe_v3_store(problem->free_velocity[i], at_end.velocity);
+        pe_v3_store(problem->free_velocity[i] + 3, at_end.angular_velocity);
     }
 }
 
@@ -135,13 +146,23 @@ static void fill_manifold(const pe_world *world, const pe_manifold *m, const pe_
         pe_v3_store(rb, pe_sub(points[j].position, xb));
         for (int k = 0; k < 3; ++k) {
             point->s[k] = pe_dot(axis[k], s);
-            impulse[k] = pe_dot(axis[k], points[j].impulse);
+            impulse[k] = interval->free != NULL ? pe_dot(axis[k], points[j].impulse) : 0;
         }
         point->bias = bias_of(world, m, &points[j], interval);
         point->slip[0] = point->slip[1] = 0;
         point->scale = pe_point_scale(a, b, ra, rb);
         built->point_of[first + j] = m->first + j;
         built->normal_change[first + j] = 0;
+    }
+}
+
+static void fill_manifolds(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const building *b = context;
+    for (int i = begin; i < end; ++i) {
+        fill_manifold(b->world, &pe_manifolds(&b->world->contacts)[b->built->source[i]],
+                      b->interval, b->built, &b->built->problem.manifold[i]);
     }
 }
 
@@ -176,7 +197,6 @@ pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_isla
     if (built->point_of == NULL || built->normal_change == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %zu contact points", points);
     }
-    fill_bodies(world, interval->free, built);
     for (int i = 0, first = 0; i < problem->manifold_count; ++i) {
         const pe_manifold *m = &kept[built->source[i]];
         problem->manifold[i] = (pe_solver_manifold){
@@ -184,9 +204,15 @@ pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_isla
             .b = body_of(islands, m->b, problem->body_count),
             .first = first,
         };
-        fill_manifold(world, m, interval, built, &problem->manifold[i]);
         first += m->count;
     }
+    status = pe_problem_list_sides(problem, pe_step_memory(world), error);
+    if (status != PE_OK) {
+        return status;
+    }
+    building b = {world, interval, built};
+    pe_pool_run(problem->pool, problem->body_count, PE_PROBLEM_BODY_GRAIN, fill_bodies, &b);
+    pe_pool_run(problem->pool, problem->manifold_count, PE_MANIFOLD_GRAIN, fill_manifolds, &b);
     pe_problem_rebuild_velocity(problem);
     if (interval->free != NULL && !interval->instant && world->def.profile != PE_PROFILE_FAST) {
         return pe_problem_to_midpoint(world, built, interval->free, interval->dt, interval->solved,
@@ -195,19 +221,33 @@ pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_isla
     return PE_OK;
 }
 
-void pe_problem_store_impulses(pe_world *world, const pe_island_problem *built)
+/* Where impulses go. */
+typedef struct storing {
+    const pe_island_problem *built;
+    pe_manifold_point *points; /* of the world */
+} storing;
+
+static void store_impulses(void *context, int worker, int begin, int end)
 {
-    const pe_problem *problem = &built->problem;
-    pe_manifold_point *points = pe_manifold_points(&world->contacts);
-    for (int i = 0; i < problem->manifold_count; ++i) {
+    (void)worker;
+    const storing *s = context;
+    const pe_problem *problem = &s->built->problem;
+    for (int i = begin; i < end; ++i) {
         const pe_solver_manifold *manifold = &problem->manifold[i];
         const double(*d)[3] = manifold->frame;
         for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             const double *p = problem->impulse[j];
-            points[built->point_of[j]].impulse =
+            s->points[s->built->point_of[j]].impulse =
                 pe_v3(d[0][0] * p[0] + d[1][0] * p[1] + d[2][0] * p[2],
                       d[0][1] * p[0] + d[1][1] * p[1] + d[2][1] * p[2],
                       d[0][2] * p[0] + d[1][2] * p[1] + d[2][2] * p[2]);
         }
     }
+}
+
+void pe_problem_store_impulses(pe_world *world, const pe_island_problem *built)
+{
+    storing s = {built, pe_manifold_points(&world->contacts)};
+    pe_pool_run(built->problem.pool, built->problem.manifold_count, PE_MANIFOLD_GRAIN,
+                store_impulses, &s);
 }

@@ -9,16 +9,18 @@
 /* One island over an interval of time, which is the whole step or a sub-step. */
 typedef struct pe_interval {
     const pe_islands *islands;
-    int k;                      /* the island */
-    const pe_free_motion *free; /* (slots): the motion without contacts; NULL: bodies are at rest */
-    double dt;                  /* s */
-    bool instant;               /* an impact: nothing moves */
-    bool stops;                 /* gaps of touching contacts stay as they are */
-    bool solved;                /* the impulses are not of the last step, but fit */
-    pe_path path;               /* set to the path on which the island was solved */
-    bool substep;               /* its contacts are listed apart */
-    double begin;               /* s since the start of the step */
-    int order;                  /* of the solves within the step */
+    int k; /* the island */
+    const pe_free_motion
+        *free;    /* (slots): the motion without contacts; NULL: bodies are at rest, and
+                                   impulses are 0 */
+    double dt;    /* s */
+    bool instant; /* an impact: nothing moves */
+    bool stops;   /* gaps of touching contacts stay as they are */
+    bool solved;  /* the impulses are not of the last step, but fit */
+    pe_path path; /* set to the path on which the island was solved */
+    bool substep; /* its contacts are listed apart */
+    double begin; /* s since the start of the step */
+    int order;    /* of the solves within the step */
 } pe_interval;
 
 /* The problem of an island, and its places in the world. */
@@ -38,7 +40,7 @@ typedef struct pe_island_problem {
 } pe_island_problem;
 
 /* Builds the island's problem in the step's arena, with the impulses of its manifold points and the
- * velocities in step with them. Bodies without `free` motion are at rest. */
+ * velocities in step with them. */
 pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_island_problem *built,
                            pe_error *error);
 

@@ -142,6 +142,9 @@ pe_status pe_problem_of_data(const pe_contact_problem *data, pe_workspace work, 
             memcpy(problem->impulse[j], from->impulse, sizeof from->impulse);
         }
     }
-    pe_problem_rebuild_velocity(problem);
-    return PE_OK;
+    status = pe_problem_list_sides(problem, work, error);
+    if (status == PE_OK) {
+        pe_problem_rebuild_velocity(problem);
+    }
+    return status;
 }

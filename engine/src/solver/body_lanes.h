@@ -67,30 +67,35 @@ PE_INLINE void wide_load_body(const pe_solver_body *bodies, const int index[PE_W
     *m = column[3];
 }
 
-/* The inverse of wide_load_body. Lanes may share a body only if it is static, when all of them
- * store zeros. */
-PE_INLINE void wide_store_body(pe_solver_body *bodies, const int index[PE_WIDTH], const wide v[3],
-                               const wide w[3], wide m)
+/* The inverse of wide_load_body, except that body `fixed`, which several lanes and threads may share,
+ * is not written. No other body is in two lanes. */
+PE_INLINE void wide_store_body(pe_solver_body *bodies, const int index[PE_WIDTH], int fixed,
+                               const wide v[3], const wide w[3], wide m)
 {
+    _Alignas(64) pe_solver_body nowhere;
+    pe_solver_body *to[PE_WIDTH];
+    for (int l = 0; l < PE_WIDTH; ++l) {
+        to[l] = index[l] != fixed ? &bodies[index[l]] : &nowhere;
+    }
 #if PE_WIDTH == 1
     (void)m;
     for (int k = 0; k < 3; ++k) {
-        bodies[index[0]].linear[k] = v[k];
-        bodies[index[0]].angular[k] = w[k];
+        to[0]->linear[k] = v[k];
+        to[0]->angular[k] = w[k];
     }
 #elif PE_WIDTH == 4
     wide linear[4] = {v[0], v[1], v[2], m}, angular[4] = {w[0], w[1], w[2], wide_of(0)};
     transpose4(linear);
     transpose4(angular);
     for (int i = 0; i < 4; ++i) {
-        _mm256_store_pd(bodies[index[i]].linear, linear[i]);
-        _mm256_store_pd(bodies[index[i]].angular, angular[i]);
+        _mm256_store_pd(to[i]->linear, linear[i]);
+        _mm256_store_pd(to[i]->angular, angular[i]);
     }
 #else
     wide row[8] = {v[0], v[1], v[2], m, w[0], w[1], w[2], wide_of(0)};
     transpose8(row);
     for (int i = 0; i < 8; ++i) {
-        _mm512_store_pd(bodies[index[i]].linear, row[i]);
+        _mm512_store_pd(to[i]->linear, row[i]);
     }
 #endif
 }
@@ -103,12 +108,12 @@ PE_INLINE void wide_load_pair(const pe_solver_body *bodies, const int a[PE_WIDTH
     wide_load_body(bodies, b, p->vB, p->wB, &p->mB);
 }
 
-/* Stores the velocities of the pair. */
+/* Stores the velocities of the pair, except those of body `fixed`. */
 PE_INLINE void wide_store_pair(pe_solver_body *bodies, const int a[PE_WIDTH], const int b[PE_WIDTH],
-                               const wide_pair *p)
+                               int fixed, const wide_pair *p)
 {
-    wide_store_body(bodies, a, p->vA, p->wA, p->mA);
-    wide_store_body(bodies, b, p->vB, p->wB, p->mB);
+    wide_store_body(bodies, a, fixed, p->vA, p->wA, p->mA);
+    wide_store_body(bodies, b, fixed, p->vB, p->wB, p->mB);
 }
 
 #endif

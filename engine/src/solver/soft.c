@@ -8,7 +8,7 @@
 /* ---- The plan ---- */
 
 enum {
-    COLOURS = 64,               /* bits of a mask; the last one is serial */
+    COLOURS = PE_COLOURS,       /* bits of a mask; the last one is serial */
     KINDS = 4 * PE_SOFT_POINTS, /* points x hard x rough */
     BATCHES = COLOURS * KINDS
 };
@@ -84,6 +84,7 @@ static void sort_into_batches(const draft *d, pe_soft_plan *plan)
                 .hard = q / 2 % 2 == 1,
                 .rough = q % 2 == 1,
                 .serial = q / KINDS == COLOURS - 1,
+                .colour = q / KINDS,
             };
             first += size[q];
         }
@@ -130,6 +131,9 @@ pe_status pe_soft_plan_make(pe_world *world, const pe_chosen_islands *chosen,
 
 /* ---- The step ---- */
 
+/* A colour of fewer contacts is not worth sharing; bodies of a piece. */
+enum { SHARED_CONTACTS = 256, BODY_GRAIN = 256 };
+
 pe_soft_settings pe_soft_settings_default(void)
 {
     return (pe_soft_settings){
@@ -159,52 +163,111 @@ static pe_soft_spring make_spring(double frequency, double damping, double h)
     return (pe_soft_spring){w / a, h * w * a * scale, scale};
 }
 
-/* Takes the arrays of the kernel's own items. */
+/* Takes the arrays of the kernel's own items, and plans the stages of the sweeps. */
 static pe_status take_blocks(pe_world *world, const pe_kernels *kernels, pe_soft_task *task,
                              pe_error *error)
 {
     const pe_soft_kernel *kernel = kernels->soft;
-    size_t blocks = 1, rows = 1, friction_blocks = 1, friction_rows = 1;
+    size_t blocks = 0, rows = 0, friction_blocks = 0, friction_rows = 0, begin = 0;
     for (int q = 0; q < task->plan->batch_count; ++q) {
         const pe_soft_batch *batch = &task->plan->batches[q];
+        const bool ends = q + 1 == task->plan->batch_count || batch[1].colour != batch->colour;
         size_t lanes = batch->serial ? 1 : (size_t)kernels->lanes;
         size_t count = ((size_t)batch->count + lanes - 1) / lanes, points = (size_t)batch->points;
         blocks += count;
         rows += count * points;
         friction_blocks += batch->rough ? count : 0;
         friction_rows += batch->rough ? count * points : 0;
+        if (ends) {
+            const bool shared = !batch->serial && (blocks - begin) * lanes >= SHARED_CONTACTS;
+            pe_stages_add(&task->stages, (int)begin, (int)blocks, shared);
+            begin = blocks;
+        }
     }
-    task->blocks = pe_scratch(world, blocks, kernel->block_size);
-    task->rows = pe_scratch(world, rows, kernel->row_size);
-    task->friction_blocks = pe_scratch(world, friction_blocks, kernel->friction_block_size);
-    task->friction_rows = pe_scratch(world, friction_rows, kernel->friction_row_size);
+    task->blocks = pe_scratch(world, blocks + 1, kernel->block_size);
+    task->rows = pe_scratch(world, rows + 1, kernel->row_size);
+    task->friction_blocks = pe_scratch(world, friction_blocks + 1, kernel->friction_block_size);
+    task->friction_rows = pe_scratch(world, friction_rows + 1, kernel->friction_row_size);
+    task->depth = pe_scratch(world, blocks / PE_SOFT_GRAIN + 1, sizeof *task->depth);
     if (task->plan->bounces) {
-        task->bounces = pe_scratch(world, rows, kernel->bounce_size);
+        task->bounces = pe_scratch(world, rows + 1, kernel->bounce_size);
     }
-    if (task->blocks == NULL || task->rows == NULL || task->friction_blocks == NULL ||
-        task->friction_rows == NULL || (task->plan->bounces && task->bounces == NULL)) {
+    if (pe_scratch_failed(world)) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %zu contact points",
                        rows * (size_t)kernels->lanes);
     }
     return PE_OK;
 }
 
+/* A piece of the blocks or bodies. */
+typedef struct pieces {
+    const pe_soft_task *task;
+    pe_soft_work *work;
+    int begin; /* block of the first piece */
+} pieces;
+
+static void run_piece(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const pieces *p = context;
+    p->work(p->task, p->begin + begin, p->begin + end);
+}
+
+/* Runs work on all blocks in any order. */
+static void run_blocks(const pe_soft_task *task, pe_soft_work *work)
+{
+    pieces p = {task, work, 0};
+    pe_pool_run(task->pool, task->block_count, PE_SOFT_GRAIN, run_piece, &p);
+}
+
+/* Runs work on all bodies in any order. */
+static void run_bodies(const pe_soft_task *task, pe_soft_work *work)
+{
+    pieces p = {task, work, 0};
+    pe_pool_run(task->pool, task->bodies->count, BODY_GRAIN, run_piece, &p);
+}
+
+/* Runs work on all blocks, colour by colour. */
+static void run_colours(const pe_soft_task *task, pe_soft_work *work)
+{
+    for (int i = 0; i < task->stages.count; ++i) {
+        const pe_stage *stage = &task->stages.of[i];
+        if (task->pool == NULL || !stage->shared) {
+            work(task, stage->begin, stage->end);
+        } else {
+            pieces p = {task, work, stage->begin};
+            pe_pool_run(task->pool, stage->end - stage->begin, PE_SOFT_GRAIN, run_piece, &p);
+        }
+    }
+}
+
 static void run(const pe_soft_kernel *kernel, pe_soft_task *task)
 {
-    kernel->prepare(task);
+    kernel->lay_out(task);
+    run_blocks(task, kernel->prepare);
     for (int s = 0; s < task->substeps; ++s) {
-        kernel->integrate_velocities(task);
+        run_bodies(task, kernel->integrate_velocities);
         if (s == 0) {
-            kernel->warm_start(task);
+            run_colours(task, kernel->warm_start);
         }
-        kernel->bias(task);
-        kernel->integrate_positions(task);
-        kernel->relax(task);
+        run_colours(task, kernel->bias);
+        run_bodies(task, kernel->integrate_positions);
+        run_colours(task, kernel->relax);
     }
     if (task->bounces != NULL) {
-        kernel->bounce(task);
+        run_colours(task, kernel->bounce);
     }
-    kernel->store(task);
+    run_blocks(task, kernel->store);
+}
+
+/* The deepest overlap, in m. */
+static double penetration_of(const pe_soft_task *task)
+{
+    double deepest = 0;
+    for (int i = 0; i < pe_piece_count(task->block_count, PE_SOFT_GRAIN); ++i) {
+        deepest = pe_max(deepest, task->depth[i]);
+    }
+    return deepest;
 }
 
 pe_status pe_soft_step(pe_world *world, const pe_chosen_islands *islands, double dt,
@@ -221,6 +284,7 @@ pe_status pe_soft_step(pe_world *world, const pe_chosen_islands *islands, double
         .points = pe_manifold_points(&world->contacts),
         .plan = &plan,
         .bodies = &bodies,
+        .pool = world->pool,
         .substeps = substeps,
         .substep = h,
         .push_speed = settings.push_speed,
@@ -250,7 +314,7 @@ pe_status pe_soft_step(pe_world *world, const pe_chosen_islands *islands, double
             .manifolds = plan.count,
             .points = plan.points,
             .colours = plan.colours,
-            .penetration = task.penetration,
+            .penetration = penetration_of(&task),
         };
     }
     return PE_OK;

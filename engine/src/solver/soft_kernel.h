@@ -52,10 +52,10 @@ PE_INLINE void apply_normal(const soft_block *c, const soft_row *r, wide dp, nor
 }
 
 /* Applies the impulses of the last sub-step to the velocities. */
-static void soft_warm_start(const pe_soft_task *task)
+static void soft_warm_start(const pe_soft_task *task, int begin, int end)
 {
     pe_solver_body *bodies = task->bodies->velocity;
-    for (int i = 0; i < task->block_count; ++i) {
+    for (int i = begin; i < end; ++i) {
         const soft_block *c = (const soft_block *)task->blocks + i;
         const soft_row *rows = (const soft_row *)task->rows + c->row;
         wide_pair p;
@@ -81,17 +81,17 @@ static void soft_warm_start(const pe_soft_task *task)
             apply_along(f->tangent[0], sum[0], &p);
             apply_along(f->tangent[1], sum[1], &p);
         }
-        wide_store_pair(bodies, c->a, c->b, &p);
+        wide_store_pair(bodies, c->a, c->b, 0, &p);
     }
 }
 
 /* One sweep over the normal impulses, with springs that correct penetration. */
-static void soft_bias(const pe_soft_task *task)
+static void soft_bias(const pe_soft_task *task, int begin, int end)
 {
     pe_solver_body *bodies = task->bodies->velocity;
     wide zero = wide_of(0), one = wide_of(1);
     wide per_substep = wide_of(1 / task->substep), least = wide_of(-task->push_speed);
-    for (int i = 0; i < task->block_count; ++i) {
+    for (int i = begin; i < end; ++i) {
         const soft_block *c = (const soft_block *)task->blocks + i;
         soft_row *rows = (soft_row *)task->rows + c->row;
         wide_pair p, d; /* velocities, displacements */
@@ -116,7 +116,7 @@ static void soft_bias(const pe_soft_task *task)
             apply_normal(c, r, r->impulse - old, &n, &p);
         }
         apply_along(c->normal, n.sum, &p);
-        wide_store_pair(bodies, c->a, c->b, &p);
+        wide_store_pair(bodies, c->a, c->b, 0, &p);
     }
 }
 
@@ -157,11 +157,11 @@ PE_INLINE void relax_friction(const friction_block *f, friction_row *g, const so
     apply_linear(impulse, p);
 }
 
-static void soft_relax(const pe_soft_task *task)
+static void soft_relax(const pe_soft_task *task, int begin, int end)
 {
     pe_solver_body *bodies = task->bodies->velocity;
     wide zero = wide_of(0), per_step = wide_of(1 / (task->substep * task->substeps));
-    for (int i = 0; i < task->block_count; ++i) {
+    for (int i = begin; i < end; ++i) {
         const soft_block *c = (const soft_block *)task->blocks + i;
         soft_row *rows = (soft_row *)task->rows + c->row;
         wide_pair p;
@@ -182,15 +182,15 @@ static void soft_relax(const pe_soft_task *task)
                            (friction_row *)task->friction_rows + c->friction_row, rows, c->count,
                            &p);
         }
-        wide_store_pair(bodies, c->a, c->b, &p);
+        wide_store_pair(bodies, c->a, c->b, 0, &p);
     }
 }
 
-static void soft_bounce(const pe_soft_task *task)
+static void soft_bounce(const pe_soft_task *task, int begin, int end)
 {
     pe_solver_body *bodies = task->bodies->velocity;
     wide zero = wide_of(0);
-    for (int i = 0; i < task->block_count; ++i) {
+    for (int i = begin; i < end; ++i) {
         const soft_block *c = (const soft_block *)task->blocks + i;
         soft_row *rows = (soft_row *)task->rows + c->row;
         const wide *speeds = (const wide *)task->bounces + c->row;
@@ -208,15 +208,15 @@ static void soft_bounce(const pe_soft_task *task)
             apply_normal(c, r, dp, &n, &p);
         }
         apply_along(c->normal, n.sum, &p);
-        wide_store_pair(bodies, c->a, c->b, &p);
+        wide_store_pair(bodies, c->a, c->b, 0, &p);
     }
 }
 
 /* ---- Bodies and results ---- */
 
-static void soft_store(const pe_soft_task *task)
+static void soft_store(const pe_soft_task *task, int begin, int end)
 {
-    for (int i = 0; i < task->block_count; ++i) {
+    for (int i = begin; i < end; ++i) {
         const soft_block *c = (const soft_block *)task->blocks + i;
         const friction_block *f =
             c->friction < 0 ? NULL : (const friction_block *)task->friction_blocks + c->friction;
@@ -241,21 +241,21 @@ static void soft_store(const pe_soft_task *task)
 
 /* Bodies are taken as rows of eight numbers here. The inverse mass among them does not change, and
  * what it adds to a displacement is never read. */
-static void soft_integrate_velocities(const pe_soft_task *task)
+static void soft_integrate_velocities(const pe_soft_task *task, int begin, int end)
 {
     double *v = task->bodies->velocity[0].linear, *previous = task->bodies->previous[0].linear;
-    for (int i = 0; i < 8 * task->bodies->count; ++i) {
+    for (int i = 8 * begin; i < 8 * end; ++i) {
         double now = v[i];
         v[i] = now + (now - previous[i]);
         previous[i] = now;
     }
 }
 
-static void soft_integrate_positions(const pe_soft_task *task)
+static void soft_integrate_positions(const pe_soft_task *task, int begin, int end)
 {
     const double *v = task->bodies->velocity[0].linear;
     double *d = task->bodies->displacement[0].linear, h = task->substep;
-    for (int i = 0; i < 8 * task->bodies->count; ++i) {
+    for (int i = 8 * begin; i < 8 * end; ++i) {
         d[i] += h * v[i];
     }
 }
@@ -266,6 +266,7 @@ static const pe_soft_kernel SOFT_KERNEL = {
     .friction_block_size = sizeof(friction_block),
     .friction_row_size = sizeof(friction_row),
     .bounce_size = sizeof(wide),
+    .lay_out = soft_lay_out,
     .prepare = soft_prepare,
     .warm_start = soft_warm_start,
     .bias = soft_bias,

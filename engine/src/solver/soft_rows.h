@@ -305,9 +305,8 @@ PE_INLINE void fetch_ahead(const pe_soft_task *task, int first)
     }
 }
 
-static void soft_prepare(pe_soft_task *task)
+static void soft_lay_out(pe_soft_task *task)
 {
-    wide deepest = wide_of(0);
     soft_block *blocks = task->blocks;
     int row_count = 0, friction_count = 0, friction_row_count = 0;
     task->block_count = 0;
@@ -325,15 +324,23 @@ static void soft_prepare(pe_soft_task *task)
             c->friction_row = friction_row_count;
             row_count += c->count;
             friction_row_count += batch->rough ? c->count : 0;
-            fetch_ahead(task, c->contact + c->lanes);
-            prepare_block(task, c, &deepest);
         }
     }
-    double depth[PE_WIDTH];
+}
+
+static void soft_prepare(const pe_soft_task *task, int begin, int end)
+{
+    wide deepest = wide_of(0);
+    for (int i = begin; i < end; ++i) {
+        soft_block *c = (soft_block *)task->blocks + i;
+        fetch_ahead(task, c->contact + c->lanes);
+        prepare_block(task, c, &deepest);
+    }
+    double depth[PE_WIDTH], *most = &task->depth[begin / PE_SOFT_GRAIN];
     wide_store(depth, deepest);
-    task->penetration = 0;
+    *most = 0;
     for (int l = 0; l < PE_WIDTH; ++l) {
-        task->penetration = pe_max(task->penetration, depth[l]);
+        *most = pe_max(*most, depth[l]);
     }
 }
 

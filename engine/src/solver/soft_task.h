@@ -4,6 +4,7 @@
 #define PE_SOFT_TASK_H
 
 #include "solver_body.h"
+#include "stages.h"
 
 /* ---- The plan ----
  *
@@ -29,6 +30,7 @@ typedef struct pe_soft_batch {
     bool hard;        /* against a static body */
     bool rough;       /* with friction */
     bool serial;
+    int colour;
 } pe_soft_batch;
 
 /* The contacts of a step in batches that share no body. The arrays are in the arena of the step. */
@@ -70,34 +72,45 @@ typedef struct pe_soft_task {
     double threshold;                   /* m/s: slower approach does not bounce */
     pe_soft_spring spring, hard_spring; /* between two bodies; against a static one */
 
-    /* Filled by `prepare`: */
-    double penetration; /* m, of the deepest point; 0 where nothing overlaps */
+    pe_pool *pool;    /* NULL: one thread */
+    pe_stages stages; /* of the blocks */
+
+    /* Filled by `lay_out` and `prepare`: */
+    double *depth; /* (one for each piece of PE_SOFT_GRAIN blocks) m, of the deepest point; 0 where
+                      nothing overlaps */
     int block_count;
     void *blocks, *rows; /* normals: a block per group of contacts, a row per point */
     void *friction_blocks, *friction_rows; /* the same of the friction of rough blocks */
     void *bounces;                         /* one per row; NULL when nothing bounces */
 } pe_soft_task;
 
+/* Blocks of a piece. */
+enum { PE_SOFT_GRAIN = 8 };
+
+/* Work on blocks, or bodies, begin .. end - 1. Blocks of one colour can be worked on in any order. */
+typedef void pe_soft_work(const pe_soft_task *task, int begin, int end);
+
 /* The sweeps of the soft contact solver for one vector width. */
 typedef struct pe_soft_kernel {
     size_t block_size, row_size, friction_block_size, friction_row_size, bounce_size; /* bytes */
 
-    /* Fills the arrays of the task from the contacts. Starting impulses are those of the points,
-     * divided by the number of sub-steps. */
-    void (*prepare)(pe_soft_task *task);
+    /* Divides the batches into blocks, and sets their places in the arrays. */
+    void (*lay_out)(pe_soft_task *task);
+    /* Fills blocks from the contacts. Starting impulses are those of the points, divided by the number
+     * of sub-steps. */
+    pe_soft_work *prepare;
     /* Applies the starting impulses. */
-    void (*warm_start)(const pe_soft_task *task);
+    pe_soft_work *warm_start;
     /* The two sweeps. `relax` adds each impulse to the sum over the step. */
-    void (*bias)(const pe_soft_task *task);
-    void (*relax)(const pe_soft_task *task);
+    pe_soft_work *bias, *relax;
     /* Newton's law of impact at points that approached at the step's start and then touched. */
-    void (*bounce)(const pe_soft_task *task);
+    pe_soft_work *bounce;
     /* Writes the impulses of the step into the manifold points. */
-    void (*store)(const pe_soft_task *task);
-    /* Changes the velocities by as much as they changed in the last sub-step. */
-    void (*integrate_velocities)(const pe_soft_task *task);
-    /* Changes the displacements by the velocities. */
-    void (*integrate_positions)(const pe_soft_task *task);
+    pe_soft_work *store;
+    /* Changes the velocities of bodies by as much as they changed in the last sub-step. */
+    pe_soft_work *integrate_velocities;
+    /* Changes the displacements of bodies by the velocities. */
+    pe_soft_work *integrate_positions;
 } pe_soft_kernel;
 
 #endif

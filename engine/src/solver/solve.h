@@ -22,8 +22,15 @@ typedef struct pe_solve_report {
     pe_residual residual; /* of the impulses as left, with velocities rebuilt from them */
     pe_solve_stop stop;
     double factor_flops;       /* of all factorisations made */
+    double most_flops;         /* set by the caller: the bound of factor_flops; 0: none */
     pe_solve_history *history; /* set by the caller; NULL: none */
 } pe_solve_report;
+
+/* Whether so many more flops are within the bound. A solver that may not factor ends. */
+static inline bool pe_solve_may_factor(const pe_solve_report *report, double flops)
+{
+    return report->most_flops == 0 || report->factor_flops + flops <= report->most_flops;
+}
 
 /* A solver of contact problems, with its own default settings. */
 typedef pe_status (*pe_solve_function)(const pe_problem *problem, const pe_solve_limits *limits,

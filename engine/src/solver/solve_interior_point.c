@@ -374,7 +374,8 @@ static pe_status solve_convex(const pe_problem *problem, const double *shift,
         double before = least, now = look(&ip, &least);
         pe_solve_note(report, report->iterations, now);
         worse = least < before ? 0 : worse + 1;
-        if (now <= limits->tolerance || report->iterations >= limits->max_iterations) {
+        if (now <= limits->tolerance || report->iterations >= limits->max_iterations ||
+            !pe_solve_may_factor(report, pattern.flops)) {
             report->stop = now <= limits->tolerance ? PE_STOP_CONVERGED : PE_STOP_ITERATIONS;
             break;
         }
@@ -410,6 +411,7 @@ static pe_status select_loaded(const pe_problem *problem, const bool *loaded, pe
     }
     *part = *problem;
     part->manifold_count = part->point_count = 0;
+    part->side = part->side_start = NULL; /* they list other manifolds */
     for (int i = 0; i < problem->manifold_count; ++i) {
         const pe_solver_manifold *from = &problem->manifold[i];
         if (loaded != NULL && !loaded[i]) {

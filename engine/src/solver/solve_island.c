@@ -57,8 +57,9 @@ static pe_status solve_by_interior(keeper *best, const pe_pattern *pattern,
                        problem->point_count);
     }
     restore(best);
-    for (int round = 0; round < ROUNDS && best->residual.max > limits->tolerance &&
-                        report->iterations < limits->max_iterations;
+    for (int round = 0;
+         round < ROUNDS && best->residual.max > limits->tolerance &&
+         report->iterations < limits->max_iterations && pe_solve_may_factor(report, pattern->flops);
          ++round) {
         pe_problem_find_shifts(problem, shift);
         pe_solve_limits inner = {INTERIOR_ENOUGH, bound(report, INTERIOR_ITERATIONS, limits)};
@@ -119,6 +120,11 @@ pe_status pe_solve_combined(const pe_problem *problem, const pe_solve_limits *li
     pe_pattern pattern;
     pe_newton_settings settings;
     pe_status status = pe_newton_prepare(problem, limits, work, &pattern, &settings, error);
+    if (status == PE_OK && !pe_solve_may_factor(report, pattern.flops)) {
+        report->residual = pe_problem_residual(problem);
+        report->stop = PE_STOP_ITERATIONS;
+        return PE_OK;
+    }
     return status != PE_OK ? status
                            : pe_solve_direct(problem, &settings, limits, work, report, error);
 }
@@ -178,6 +184,10 @@ static const double NS_PER_FLOP = 0.14, NS_PER_ASSEMBLED_POINT = 150, NS_PER_SWE
  * such as a step of one second makes of many bodies, would cost minutes. */
 static const double COLD_PATIENCE = 16;
 
+/* All iterations of a direct solve may cost this many times what QUIET_ITERATIONS, which it is chosen
+ * by, may. */
+static const double WHOLE_COST = 8;
+
 /* Of islands of at most PE_TINY_BODIES bodies. One that is not quiet is solved roughly at ROUGH times
  * the tolerance. */
 enum { TINY_ITERATIONS = 16, TINY_SWEEPS = 20 };
@@ -203,12 +213,23 @@ static int sweep_limit(const pe_problem *problem, const pe_island_limits *limits
     return (int)pe_min(MOST_SWEEPS, most);
 }
 
+/* How many times the cost of the allowed sweeps the iterations of a direct solve may have. */
+static double patience_of(const pe_solving *s, bool cold, double warm)
+{
+    return cold ? COLD_PATIENCE : warm < QUIET ? s->limits.patience : 0;
+}
+
+static double swept_cost(const pe_problem *problem, int sweeps)
+{
+    return NS_PER_SWEPT_POINT * problem->point_count * sweeps;
+}
+
 static void choose(const pe_solving *s, double flops, pe_island_plan *to)
 {
     const pe_problem *problem = s->problem;
     double warm = s->report.solve.residual.max;
-    double swept = NS_PER_SWEPT_POINT * problem->point_count * to->sweeps;
-    double patience = to->cold ? COLD_PATIENCE : warm < QUIET ? s->limits.patience : 0;
+    double swept = swept_cost(problem, to->sweeps);
+    double patience = patience_of(s, to->cold, warm);
     to->whole = is_tiny(s) || direct_cost(problem, flops, QUIET_ITERATIONS) <= patience * swept;
     to->trial = TRIAL_ITERATIONS * problem->point_count <= WARM_POINTS &&
                 direct_cost(problem, flops, TRIAL_ITERATIONS) <= TRIAL_SHARE * swept;
@@ -268,13 +289,19 @@ static int fewer(int a, int b)
     return a < b ? a : b;
 }
 
-/* At most `most` iterations of the direct solver. */
+/* At most `most` iterations of the direct solver, and no more than may be paid for. */
 static pe_status solve_directly(pe_solving *s, int most, pe_newton_form form, pe_workspace work,
                                 pe_error *error)
 {
     pe_solve_report *solve = &s->report.solve;
+    const pe_island_plan *plan = &s->plan;
     const double tolerance = s->limits.tolerance;
+    const double patience = pe_max(1, patience_of(s, plan->cold, s->warm));
+    const double cost = WHOLE_COST * patience * swept_cost(s->problem, plan->sweeps);
+    const double affordable = cost / direct_cost(s->problem, plan->pattern.flops, 1);
+    most = affordable < most ? (int)affordable : most;
     most += solve->iterations;
+    solve->most_flops = solve->factor_flops + cost / NS_PER_FLOP;
     pe_solve_limits direct = {tolerance, fewer(most, s->limits.max_iterations)};
     pe_newton_settings settings = pe_newton_settings_for(&s->plan.pattern, form, tolerance);
     return pe_solve_direct(s->problem, &settings, &direct, work, solve, error);

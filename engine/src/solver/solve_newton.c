@@ -215,19 +215,20 @@ static double search(const newton *n, ray along, double start)
     return a;
 }
 
-/* Finds the pattern again if a loaded manifold is not in it. */
-static pe_status renew_pattern(newton *n, pe_error *error)
+/* Finds the pattern again if a loaded manifold is not in it. *affordable: whether its factor is. */
+static pe_status renew_pattern(newton *n, const pe_solve_report *report, bool *affordable,
+                               pe_error *error)
 {
     bool fits = true;
     for (int i = 0; i < n->problem->manifold_count; ++i) {
         fits &= !n->loaded[i] | n->pattern.counted[i];
         n->loaded[i] |= n->pattern.counted[i];
     }
-    if (fits) {
-        return PE_OK;
-    }
-    pe_status status = pe_pattern_find(n->problem, n->loaded, n->work, &n->pattern, error);
-    return status != PE_OK ? status : pe_factor_create(&n->pattern, n->work, &n->factor, error);
+    pe_status status =
+        fits ? PE_OK : pe_pattern_find(n->problem, n->loaded, n->work, &n->pattern, error);
+    *affordable = status == PE_OK && pe_solve_may_factor(report, n->pattern.flops);
+    return fits || !*affordable ? status
+                                : pe_factor_create(&n->pattern, n->work, &n->factor, error);
 }
 
 /* One Newton step from the evaluated iterate; false when the factorisation failed. */
@@ -328,8 +329,10 @@ static pe_status minimise(newton *n, double enough, int most, pe_solve_report *r
             *end = INNER_ITERATIONS;
             return PE_OK;
         }
-        pe_status status = renew_pattern(n, error);
-        if (status != PE_OK) {
+        bool affordable;
+        pe_status status = renew_pattern(n, report, &affordable, error);
+        if (status != PE_OK || !affordable) {
+            *end = INNER_ITERATIONS;
             return status;
         }
         if (!take_step(n)) {

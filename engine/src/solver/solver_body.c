@@ -73,13 +73,30 @@ static pe_vec3 acceleration_of(const pe_world *world, int slot, pe_vec3 *torque)
     return pe_madd(world->def.gravity, pe_masses(world)[slot].inverse_mass, force);
 }
 
-void pe_solver_bodies_fill(const pe_world *world, double dt, double h,
-                           const pe_solver_bodies *bodies)
+/* Bodies of a piece. */
+enum { GRAIN = 128 };
+
+/* What the pieces share. */
+typedef struct filling {
+    pe_world *world;
+    double dt, h;
+    const pe_solver_bodies *bodies;
+} filling;
+
+static void fill_bodies(void *context, int worker, int begin, int end)
 {
-    bodies->velocity[0] = bodies->previous[0] = (pe_solver_body){0};
-    bodies->frame[0] = (pe_solver_body_frame){0};
-    memset(bodies->displacement, 0, (size_t)bodies->count * sizeof *bodies->displacement);
-    for (int i = 1; i < bodies->count; ++i) {
+    (void)worker;
+    const filling *f = context;
+    const pe_world *world = f->world;
+    const pe_solver_bodies *bodies = f->bodies;
+    const double dt = f->dt, h = f->h;
+    for (int i = begin; i < end; ++i) {
+        bodies->displacement[i] = (pe_solver_body){0};
+        if (i == 0) {
+            bodies->velocity[0] = bodies->previous[0] = (pe_solver_body){0};
+            bodies->frame[0] = (pe_solver_body_frame){0};
+            continue;
+        }
         int slot = bodies->slot_of[i];
         const pe_pose *pose = &pe_poses(world)[slot];
         const pe_twist *twist = &pe_twists(world)[slot];
@@ -110,9 +127,19 @@ void pe_solver_bodies_fill(const pe_world *world, double dt, double h,
     }
 }
 
-void pe_solver_bodies_apply(pe_world *world, const pe_solver_bodies *bodies)
+void pe_solver_bodies_fill(pe_world *world, double dt, double h, const pe_solver_bodies *bodies)
 {
-    for (int i = 1; i < bodies->count; ++i) {
+    filling f = {world, dt, h, bodies};
+    pe_pool_run(world->pool, bodies->count, GRAIN, fill_bodies, &f);
+}
+
+static void apply_to_bodies(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const filling *f = context;
+    pe_world *world = f->world;
+    const pe_solver_bodies *bodies = f->bodies;
+    for (int i = begin > 1 ? begin : 1; i < end; ++i) {
         int slot = bodies->slot_of[i];
         const pe_mass *mass = &pe_masses(world)[slot];
         pe_pose *pose = &pe_poses(world)[slot];
@@ -129,4 +156,10 @@ void pe_solver_bodies_apply(pe_world *world, const pe_solver_bodies *bodies)
         }
         pe_twists(world)[slot] = (pe_twist){pe_v3_load(bodies->velocity[i].linear), spin};
     }
+}
+
+void pe_solver_bodies_apply(pe_world *world, const pe_solver_bodies *bodies)
+{
+    filling f = {.world = world, .bodies = bodies};
+    pe_pool_run(world->pool, bodies->count, GRAIN, apply_to_bodies, &f);
 }

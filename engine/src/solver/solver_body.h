@@ -52,8 +52,7 @@ pe_status pe_solver_bodies_take(pe_world *world, const pe_chosen_islands *island
 /* Fills the solver bodies from the world. The gyroscopic change of the whole step is made at once,
  * which it may be because it does no work. The previous velocities are v - h M^-1 f: to repeat the
  * last change is what the forces do in a sub-step of h seconds. */
-void pe_solver_bodies_fill(const pe_world *world, double dt, double h,
-                           const pe_solver_bodies *bodies);
+void pe_solver_bodies_fill(pe_world *world, double dt, double h, const pe_solver_bodies *bodies);
 
 /* Moves the world's bodies by their displacements and gives them their velocities. */
 void pe_solver_bodies_apply(pe_world *world, const pe_solver_bodies *bodies);

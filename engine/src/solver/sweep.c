@@ -3,72 +3,130 @@
 
 #include <string.h>
 
+/* Blocks of a piece, when the problem is copied. */
+enum { FILL_GRAIN = 16 };
+
+/* A colour of fewer blocks is not worth sharing. */
+enum { SHARED_BLOCKS = 32 };
+
 /* ---- Colours ---- */
 
 /* Manifolds are sorted by colour, then by falling number of points, so that a block has few empty
  * lanes. A manifold that finds no colour free, on a body with more than 64 others, gets its own
- * block. */
-enum { MOST_COLOURS = 64, MOST_COUNT = 8, KEYS = MOST_COLOURS * MOST_COUNT };
+ * block. Those that are left out come last. */
+enum { MOST_COUNT = 8, OWN_BLOCK = PE_COLOURS * MOST_COUNT, LEFT_OUT, KEYS };
 
 static int first_free(uint64_t used)
 {
+#if defined(__GNUC__)
+    return ~used == 0 ? PE_COLOURS : __builtin_ctzll(~used);
+#else
     int colour = 0;
-    while (colour < MOST_COLOURS && (used >> colour & 1) != 0) {
+    while (colour < PE_COLOURS && (used >> colour & 1) != 0) {
         ++colour;
     }
     return colour;
+#endif
 }
 
 static int key_of(const pe_solver_manifold *manifold, int colour)
 {
     int count = manifold->count < MOST_COUNT ? manifold->count : MOST_COUNT;
-    return colour * MOST_COUNT + (MOST_COUNT - count);
+    return colour < PE_COLOURS ? colour * MOST_COUNT + (MOST_COUNT - count) : OWN_BLOCK;
 }
 
-/* Fills key (manifold_count) by greedy colouring. `used` (body_count + 1) is scratch. */
-static void colour_manifolds(const pe_problem *problem, uint64_t *used, int *key)
+/* A layout while it is made. */
+typedef struct draft {
+    pe_sweep *sweep;
+    const bool *chosen; /* (manifold_count), or NULL */
+    int *key;           /* (manifold_count): what manifolds are sorted by */
+    int start[KEYS];    /* the place of the first manifold with a key */
+} draft;
+
+/* Fills d->key by greedy colouring, and counts the keys in d->start. `used` (body_count + 1) is
+ * scratch. */
+static void colour_manifolds(draft *d, uint64_t *used)
 {
+    const pe_problem *problem = d->sweep->problem;
     int n = problem->body_count;
     memset(used, 0, ((size_t)n + 1) * sizeof *used);
+    memset(d->start, 0, sizeof d->start);
     for (int i = 0; i < problem->manifold_count; ++i) {
         const pe_solver_manifold *manifold = &problem->manifold[i];
-        int colour = first_free(used[manifold->a] | used[manifold->b]);
-        if (colour < MOST_COLOURS) {
-            uint64_t bit = (uint64_t)1 << colour;
+        d->key[i] = LEFT_OUT;
+        if (d->chosen == NULL || d->chosen[i]) {
+            int colour = first_free(used[manifold->a] | used[manifold->b]);
+            uint64_t bit = colour < PE_COLOURS ? (uint64_t)1 << colour : 0;
             used[manifold->a] |= manifold->a < n ? bit : 0;
             used[manifold->b] |= manifold->b < n ? bit : 0;
+            d->key[i] = key_of(manifold, colour);
         }
-        key[i] = key_of(manifold, colour);
+        d->start[d->key[i]] += 1;
     }
 }
 
-/* Fills place (manifold_count) and returns the number of blocks. */
-static int place_manifolds(const pe_problem *problem, const int *key, int *place)
+/* Turns the counts of keys into places, and returns the number of blocks. */
+static int place_keys(draft *d)
 {
-    int start[KEYS + 1] = {0}, blocks = 0, lane = 0;
-    for (int i = 0; i < problem->manifold_count; ++i) {
-        start[key[i] < KEYS ? key[i] : KEYS] += 1;
-    }
-    for (int k = 0; k < KEYS; ++k) {
+    int blocks = 0, lane = 0;
+    for (int k = 0; k < OWN_BLOCK; ++k) {
         if (k % MOST_COUNT == 0 && lane > 0) {
             ++blocks; /* a new colour begins a new block */
             lane = 0;
         }
-        int here = start[k];
-        start[k] = PE_BLOCK_LANES * blocks + lane;
+        int here = d->start[k];
+        d->start[k] = PE_BLOCK_LANES * blocks + lane;
         blocks += (lane + here) / PE_BLOCK_LANES;
         lane = (lane + here) % PE_BLOCK_LANES;
     }
     blocks += lane > 0;
-    start[KEYS] = PE_BLOCK_LANES * blocks;
-    for (int i = 0; i < problem->manifold_count; ++i) {
-        if (key[i] < KEYS) {
-            place[i] = start[key[i]]++;
-        } else {
-            place[i] = PE_BLOCK_LANES * blocks++;
+    int own = d->start[OWN_BLOCK];
+    d->start[OWN_BLOCK] = PE_BLOCK_LANES * blocks;
+    return blocks + own;
+}
+
+/* Fills sweep->place, sweep->source, and the blocks' numbers of points. */
+static void place_manifolds(draft *d)
+{
+    pe_sweep *sweep = d->sweep;
+    const pe_problem *problem = sweep->problem;
+    for (int k = 0; k < sweep->block_count; ++k) {
+        sweep->blocks[k].count = 0;
+        for (int lane = 0; lane < PE_BLOCK_LANES; ++lane) {
+            sweep->source[PE_BLOCK_LANES * k + lane] = -1;
         }
     }
-    return blocks;
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        sweep->place[i] = -1;
+        if (d->key[i] != LEFT_OUT) {
+            int place = d->start[d->key[i]], count = problem->manifold[i].count;
+            d->start[d->key[i]] += d->key[i] == OWN_BLOCK ? PE_BLOCK_LANES : 1;
+            pe_sweep_block *block = &sweep->blocks[place / PE_BLOCK_LANES];
+            block->count = count > block->count ? count : block->count;
+            sweep->place[i] = place;
+            sweep->source[place] = i;
+        }
+    }
+}
+
+/* Numbers the points and the colours of the blocks, and divides them into stages. */
+static void number_blocks(const draft *d)
+{
+    pe_sweep *sweep = d->sweep;
+    int begin = 0;
+    for (int k = 0; k < sweep->block_count; ++k) {
+        pe_sweep_block *block = &sweep->blocks[k];
+        int i = sweep->source[PE_BLOCK_LANES * k];
+        block->colour = d->key[i] < OWN_BLOCK ? d->key[i] / MOST_COUNT : PE_COLOURS + i;
+        block->first = sweep->point_count;
+        sweep->point_count += block->count;
+        if (block->colour != sweep->blocks[begin].colour) {
+            pe_stages_add(&sweep->stages, begin, k, k - begin >= SHARED_BLOCKS);
+            begin = k;
+        }
+    }
+    const int left = sweep->block_count - begin;
+    pe_stages_add(&sweep->stages, begin, sweep->block_count, left >= SHARED_BLOCKS);
 }
 
 /* ---- Layout ---- */
@@ -109,43 +167,50 @@ static void fill_point(const pe_solver_point *from, const double p[3], pe_sweep_
     point->inverse_wnn[lane] = 1;
 }
 
-/* Sets the number of points of each block, and returns their sum. */
-static int count_points(const pe_sweep *sweep)
+/* Sets a block, of which colour and counts are set, to no manifolds. */
+static void clear_block(const pe_sweep *sweep, pe_sweep_block *block)
 {
-    const pe_problem *problem = sweep->problem;
-    for (int i = 0; i < problem->manifold_count; ++i) {
-        pe_sweep_block *block = &sweep->blocks[sweep->place[i] / PE_BLOCK_LANES];
-        int count = problem->manifold[i].count;
-        block->count = count > block->count ? count : block->count;
+    pe_sweep_point *points = &sweep->points[block->first];
+    *block =
+        (pe_sweep_block){.colour = block->colour, .first = block->first, .count = block->count};
+    memset(points, 0, (size_t)block->count * sizeof *points);
+    for (int lane = 0; lane < PE_BLOCK_LANES; ++lane) {
+        block->a[lane] = block->b[lane] = sweep->problem->body_count;
+        for (int j = 0; j < block->count; ++j) {
+            points[j].bias[lane] = FAR_AWAY;
+        }
     }
-    int points = 0;
-    for (int k = 0; k < sweep->block_count; ++k) {
-        sweep->blocks[k].first = points;
-        points += sweep->blocks[k].count;
-    }
-    return points;
 }
 
-static void fill(pe_sweep *sweep, const int *key)
+/* Fills and prepares blocks begin .. end - 1. */
+static void fill_blocks(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    pe_sweep *sweep = context;
+    const pe_problem *problem = sweep->problem;
+    for (int k = begin; k < end; ++k) {
+        pe_sweep_block *block = &sweep->blocks[k];
+        clear_block(sweep, block);
+        for (int lane = 0; lane < PE_BLOCK_LANES; ++lane) {
+            const int i = sweep->source[PE_BLOCK_LANES * k + lane];
+            if (i < 0) {
+                continue;
+            }
+            const pe_solver_manifold *manifold = &problem->manifold[i];
+            fill_manifold(problem, manifold, block, lane);
+            for (int j = 0; j < manifold->count; ++j) {
+                fill_point(&problem->point[manifold->first + j],
+                           problem->impulse[manifold->first + j], &sweep->points[block->first + j],
+                           lane);
+            }
+        }
+        sweep->kernel->prepare(sweep, k, k + 1);
+    }
+}
+
+static void fill_bodies(const pe_sweep *sweep)
 {
     const pe_problem *problem = sweep->problem;
-    memset(sweep->points, 0, (size_t)sweep->point_count * sizeof *sweep->points);
-    for (int i = 0; i < sweep->point_count; ++i) {
-        for (int lane = 0; lane < PE_BLOCK_LANES; ++lane) {
-            sweep->points[i].bias[lane] = FAR_AWAY;
-        }
-    }
-    for (int i = 0; i < problem->manifold_count; ++i) {
-        const pe_solver_manifold *manifold = &problem->manifold[i];
-        int lane = sweep->place[i] % PE_BLOCK_LANES;
-        pe_sweep_block *block = &sweep->blocks[sweep->place[i] / PE_BLOCK_LANES];
-        block->colour = key[i] < KEYS ? key[i] / MOST_COUNT : MOST_COLOURS + i;
-        fill_manifold(problem, manifold, block, lane);
-        for (int j = 0; j < manifold->count; ++j) {
-            fill_point(&problem->point[manifold->first + j], problem->impulse[manifold->first + j],
-                       &sweep->points[block->first + j], lane);
-        }
-    }
     for (int i = 0; i <= problem->body_count; ++i) {
         const double *v = problem->velocity[i];
         sweep->velocity[i] = (pe_solver_body){.linear = {v[0], v[1], v[2]},
@@ -155,8 +220,27 @@ static void fill(pe_sweep *sweep, const int *key)
     }
 }
 
-pe_status pe_sweep_create(const pe_problem *problem, const pe_sweep_kernel *kernel,
-                          pe_workspace work, pe_sweep *sweep, pe_error *error)
+/* Takes the arrays whose sizes follow from the number of blocks, and then from that of points. */
+static bool take_blocks(pe_workspace work, pe_sweep *sweep)
+{
+    const size_t blocks = (size_t)sweep->block_count + 1;
+    sweep->blocks = pe_take(work, blocks, sizeof *sweep->blocks);
+    sweep->worst = pe_take(work, blocks, sizeof *sweep->worst);
+    sweep->source = pe_take(work, PE_BLOCK_LANES * blocks, sizeof *sweep->source);
+    sweep->sums = pe_take(work, blocks / PE_SUM_GRAIN + 1, sizeof *sweep->sums);
+    return sweep->blocks != NULL && sweep->worst != NULL && sweep->source != NULL &&
+           sweep->sums != NULL;
+}
+
+static bool take_points(pe_workspace work, pe_sweep *sweep)
+{
+    sweep->points = pe_take(work, (size_t)sweep->point_count + 1, sizeof *sweep->points);
+    return sweep->points != NULL;
+}
+
+pe_status pe_sweep_create(const pe_problem *problem, const bool *chosen,
+                          const pe_sweep_kernel *kernel, pe_workspace work, pe_sweep *sweep,
+                          pe_error *error)
 {
     size_t manifolds = (size_t)problem->manifold_count + 1,
            bodies = (size_t)problem->body_count + 1;
@@ -169,82 +253,27 @@ pe_status pe_sweep_create(const pe_problem *problem, const pe_sweep_kernel *kern
         .place = pe_take(work, manifolds, sizeof *sweep->place),
     };
     uint64_t *used = pe_take(work, bodies, sizeof *used);
-    int *key = pe_take(work, manifolds, sizeof *key);
+    draft d = {.sweep = sweep, .chosen = chosen, .key = pe_take(work, manifolds, sizeof *d.key)};
     if (sweep->velocity == NULL || sweep->before == NULL || sweep->beta == NULL ||
-        sweep->place == NULL || used == NULL || key == NULL) {
+        sweep->place == NULL || used == NULL || d.key == NULL) {
         goto no_memory;
     }
-    colour_manifolds(problem, used, key);
-    sweep->block_count = place_manifolds(problem, key, sweep->place);
-    sweep->blocks = pe_take(work, (size_t)sweep->block_count + 1, sizeof *sweep->blocks);
-    sweep->worst = pe_take(work, (size_t)sweep->block_count + 1, sizeof *sweep->worst);
-    if (sweep->blocks == NULL || sweep->worst == NULL) {
+    colour_manifolds(&d, used);
+    sweep->block_count = place_keys(&d);
+    if (!take_blocks(work, sweep)) {
         goto no_memory;
     }
+    place_manifolds(&d);
+    number_blocks(&d);
+    if (!take_points(work, sweep)) {
+        goto no_memory;
+    }
+    fill_bodies(sweep);
+    pe_pool_run(problem->pool, sweep->block_count, FILL_GRAIN, fill_blocks, sweep);
     memset(sweep->beta, 0, bodies * sizeof *sweep->beta);
-    memset(sweep->blocks, 0, (size_t)sweep->block_count * sizeof *sweep->blocks);
-    for (int k = 0; k < sweep->block_count; ++k) {
-        for (int lane = 0; lane < PE_BLOCK_LANES; ++lane) {
-            sweep->blocks[k].a[lane] = sweep->blocks[k].b[lane] = problem->body_count;
-        }
-    }
-    sweep->point_count = count_points(sweep);
-    sweep->points = pe_take(work, (size_t)sweep->point_count + 1, sizeof *sweep->points);
-    if (sweep->points == NULL) {
-        goto no_memory;
-    }
-    fill(sweep, key);
-    kernel->prepare(sweep);
     return PE_OK;
 
 no_memory:
     return pe_fail(error, PE_NO_MEMORY, "no memory to sweep %d contact points",
                    problem->point_count);
-}
-
-pe_sweep_part pe_sweep_whole(const pe_sweep *sweep)
-{
-    const pe_problem *problem = sweep->problem;
-    return (pe_sweep_part){0, problem->body_count, 0, problem->manifold_count};
-}
-
-void pe_sweep_set_beta(const pe_sweep *sweep, const pe_sweep_part *part, double beta)
-{
-    for (int i = 0; i < part->body_count; ++i) {
-        sweep->beta[part->body + i] = beta;
-    }
-    for (int i = 0; i < part->manifold_count; ++i) {
-        int place = sweep->place[part->manifold + i];
-        sweep->blocks[place / PE_BLOCK_LANES].beta[place % PE_BLOCK_LANES] = beta;
-    }
-}
-
-void pe_sweep_residuals(const pe_sweep *sweep, const pe_sweep_part *parts, int count,
-                        double *residuals)
-{
-    sweep->kernel->residuals(sweep);
-    for (int k = 0; k < count; ++k) {
-        residuals[k] = 0;
-        for (int i = 0; i < parts[k].manifold_count; ++i) {
-            int place = sweep->place[parts[k].manifold + i];
-            double worst = sweep->worst[place / PE_BLOCK_LANES][place % PE_BLOCK_LANES];
-            residuals[k] = worst > residuals[k] ? worst : residuals[k];
-        }
-    }
-}
-
-void pe_sweep_store(const pe_sweep *sweep, const pe_sweep_part *part)
-{
-    const pe_problem *problem = sweep->problem;
-    for (int i = part->manifold; i < part->manifold + part->manifold_count; ++i) {
-        const pe_solver_manifold *manifold = &problem->manifold[i];
-        int lane = sweep->place[i] % PE_BLOCK_LANES;
-        int first = sweep->blocks[sweep->place[i] / PE_BLOCK_LANES].first;
-        for (int j = 0; j < manifold->count; ++j) {
-            for (int k = 0; k < 3; ++k) {
-                problem->impulse[manifold->first + j][k] =
-                    sweep->points[first + j].impulse[k][lane];
-            }
-        }
-    }
 }

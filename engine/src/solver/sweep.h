@@ -14,13 +14,17 @@
  *
  * A problem may consist of parts that share no dynamic body, such as several islands, so that they
  * fill the blocks together. Each part has a beta of its own, and its bits are those that it would
- * have alone. */
+ * have alone.
+ *
+ * The threads of the problem share the blocks of a colour where it has many. Static bodies are only
+ * read. */
 #ifndef PE_SWEEP_H
 #define PE_SWEEP_H
 
 #include "base/memory.h"
 #include "problem/problem.h"
 #include "solver_body.h"
+#include "stages.h"
 
 enum { PE_BLOCK_LANES = 8 };
 
@@ -59,6 +63,9 @@ typedef struct pe_sweep_point {
     pe_block_lanes scale;       /* as in pe_solver_point */
 } pe_sweep_point;
 
+/* Blocks of a piece, in sums over all blocks. */
+enum { PE_SUM_GRAIN = 128 };
+
 /* A problem in blocks of eight manifolds, with the state of its sweeps. */
 typedef struct pe_sweep {
     const pe_problem *problem;
@@ -66,11 +73,16 @@ typedef struct pe_sweep {
     int block_count, point_count;
     pe_sweep_block *blocks;
     pe_sweep_point *points;
+    pe_stages stages;
     pe_solver_body *velocity; /* (body_count + 1): of z; world axes */
     pe_solver_body *before;   /* (body_count + 1): of z of the sweep before */
-    double *beta;             /* (body_count + 1): of the body's part; 0 of static bodies */
-    pe_block_lanes *worst;    /* (block_count): residuals of manifolds */
-    int *place;               /* (manifold_count): 8 x block + lane */
+    bool one_beta;            /* all parts have whole_beta; `beta` is not read */
+    double whole_beta;
+    double *beta;              /* (body_count + 1): of the body's part; 0 of static bodies */
+    pe_block_lanes *worst;     /* (block_count): residuals of manifolds */
+    int *place;                /* (manifold_count): 8 x block + lane; -1: left out */
+    int *source;               /* (8 x block_count): the manifold in the lane; -1: none */
+    struct pe_violation *sums; /* one for each piece of the blocks: scratch */
 } pe_sweep;
 
 /* By how much J_n v + b >= 0 is violated, in the unit of b. */
@@ -79,37 +91,37 @@ typedef struct pe_violation {
     double squares; /* sum over the points */
 } pe_violation;
 
-/* The work on blocks for one width of instructions; see the functions below of the same names. */
+/* The work on blocks begin .. end - 1 for one width of instructions; see the functions below of the
+ * same names. */
 typedef struct pe_sweep_kernel {
-    void (*prepare)(pe_sweep *sweep); /* E of the manifolds, W of the points */
-    void (*sweep_cones)(pe_sweep *sweep);
-    void (*sweep_normals)(pe_sweep *sweep);
-    void (*residuals)(const pe_sweep *sweep); /* fills sweep->worst */
-    pe_violation (*violation)(const pe_sweep *sweep);
+    void (*prepare)(pe_sweep *sweep, int begin, int end); /* E of the manifolds, W of the points */
+    /* y = z + beta (z - z_before) of the velocities of bodies begin .. end - 1; the impulses follow
+     * in the sweep. */
+    void (*extrapolate)(pe_sweep *sweep, int begin, int end);
+    void (*sweep_cones)(pe_sweep *sweep, int begin, int end);
+    void (*sweep_normals)(pe_sweep *sweep, int begin, int end);
+    void (*residuals)(const pe_sweep *sweep, int begin, int end); /* fills sweep->worst */
+    pe_violation (*violation)(const pe_sweep *sweep, int begin, int end);
 } pe_sweep_kernel;
 
-/* Lays out a problem, which stays borrowed, with its impulses and velocities, in the workspace. */
-pe_status pe_sweep_create(const pe_problem *problem, const pe_sweep_kernel *kernel,
-                          pe_workspace work, pe_sweep *sweep, pe_error *error);
+/* Lays out a problem, which stays borrowed, with its impulses and velocities, in the workspace. Only
+ * the manifolds with chosen[i] are swept; NULL: all. */
+pe_status pe_sweep_create(const pe_problem *problem, const bool *chosen,
+                          const pe_sweep_kernel *kernel, pe_workspace work, pe_sweep *sweep,
+                          pe_error *error);
 
 /* The whole problem as one part. */
 pe_sweep_part pe_sweep_whole(const pe_sweep *sweep);
 
 /* Sets the momentum of a part in the sweeps that follow; 0 at first. */
-void pe_sweep_set_beta(const pe_sweep *sweep, const pe_sweep_part *part, double beta);
+void pe_sweep_set_beta(pe_sweep *sweep, const pe_sweep_part *part, double beta);
 
 /* One sweep from y = z + beta (z - z_before): each point takes the normal impulse that stops
  * approach, then the tangential one that stops slip, held to the disc of radius mu p_n. */
-static inline void pe_sweep_cones(pe_sweep *sweep)
-{
-    sweep->kernel->sweep_cones(sweep);
-}
+void pe_sweep_cones(pe_sweep *sweep);
 
 /* The same for normal impulses only, as if there were no friction; tangential impulses stay. */
-static inline void pe_sweep_normals(pe_sweep *sweep)
-{
-    sweep->kernel->sweep_normals(sweep);
-}
+void pe_sweep_normals(pe_sweep *sweep);
 
 /* Largest natural-map residual of z in each part, m/s: that of pe_problem_residual except for
  * rounding. */
@@ -117,10 +129,7 @@ void pe_sweep_residuals(const pe_sweep *sweep, const pe_sweep_part *parts, int c
                         double *residuals);
 
 /* The violation of J_n v + b >= 0 by z. */
-static inline pe_violation pe_sweep_violation(const pe_sweep *sweep)
-{
-    return sweep->kernel->violation(sweep);
-}
+pe_violation pe_sweep_violation(const pe_sweep *sweep);
 
 /* Writes z of a part to the problem's impulses. The problem's velocities are not updated. */
 void pe_sweep_store(const pe_sweep *sweep, const pe_sweep_part *part);

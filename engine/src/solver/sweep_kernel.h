@@ -76,7 +76,7 @@ PE_INLINE void load_group(const pe_sweep *sweep, int index, group *g)
     wide_cross(g->frame[0], g->frame[1], g->frame[2]);
     load_rows(block->arm_a[0], lane, 3, g->rA);
     load_rows(block->arm_b[0], lane, 3, g->rB);
-    g->beta = load(block->beta + lane);
+    g->beta = sweep->one_beta ? wide_of(sweep->whole_beta) : load(block->beta + lane);
 }
 
 /* The relative twist q, and the part of E for normals. */
@@ -98,7 +98,7 @@ PE_INLINE void begin_group(group *g)
 }
 
 /* v += M^-1 J^T p for the bodies of the group; force (N s) and torque (N m s) act on B, in world
- * axes. */
+ * axes. Static bodies, which several threads read, are not written. */
 PE_INLINE void apply_impulse(pe_sweep *sweep, group *g, const wide force[3], const wide torque[3])
 {
     pe_sweep_block *block = g->block;
@@ -120,20 +120,21 @@ PE_INLINE void apply_impulse(pe_sweep *sweep, group *g, const wide force[3], con
         p->wA[k] = p->wA[k] - spin_a[k];
         p->wB[k] = p->wB[k] + spin_b[k];
     }
-    wide_store_pair(sweep->velocity, block->a + g->lane, block->b + g->lane, p);
+    wide_store_pair(sweep->velocity, block->a + g->lane, block->b + g->lane,
+                    sweep->problem->body_count, p);
 }
 
-/* The number of groups in all blocks. */
-PE_INLINE int group_count(const pe_sweep *sweep)
+/* The first group of a block. */
+PE_INLINE int group_of(int block)
 {
-    return sweep->block_count * (PE_BLOCK_LANES / PE_WIDTH);
+    return block * (PE_BLOCK_LANES / PE_WIDTH);
 }
 
 /* Whether groups `index` and `index + 1` share no body. */
 PE_INLINE bool are_independent(const pe_sweep *sweep, int index)
 {
     int block = index * PE_WIDTH / PE_BLOCK_LANES, next = (index + 1) * PE_WIDTH / PE_BLOCK_LANES;
-    return next < sweep->block_count && sweep->blocks[next].colour == sweep->blocks[block].colour;
+    return sweep->blocks[next].colour == sweep->blocks[block].colour;
 }
 
 /* J v of a point at s, by the twist. */
@@ -244,9 +245,9 @@ PE_INLINE void prepare_point(pe_sweep_point *point, int lane, const coupling *e)
     store(point->wn2 + lane, w[0][2]);
 }
 
-static void sweep_prepare(pe_sweep *sweep)
+static void sweep_prepare(pe_sweep *sweep, int begin, int end)
 {
-    for (int i = 0; i < group_count(sweep); ++i) {
+    for (int i = group_of(begin); i < group_of(end); ++i) {
         group g;
         coupling e;
         wide iA[6], iB[6];
@@ -392,13 +393,13 @@ PE_INLINE void apply_normals(pe_sweep *sweep, group *g)
     apply_impulse(sweep, g, force, torque);
 }
 
-/* y = z + beta (z - z_before) of the velocities; the impulses follow in the sweep. */
-static void extrapolate_velocities(pe_sweep *sweep)
+static void sweep_extrapolate(pe_sweep *sweep, int begin, int end)
 {
     double *now = sweep->velocity->linear, *before = sweep->before->linear;
-    for (int i = 0; i < 8 * (sweep->problem->body_count + 1); i += PE_WIDTH) {
+    for (int i = 8 * begin; i < 8 * end; i += PE_WIDTH) {
         wide z = load(now + i);
-        store(now + i, z + wide_of(sweep->beta[i / 8]) * (z - load(before + i)));
+        double beta = sweep->one_beta ? sweep->whole_beta : sweep->beta[i / 8];
+        store(now + i, z + wide_of(beta) * (z - load(before + i)));
         store(before + i, z);
     }
 }
@@ -433,14 +434,13 @@ PE_INLINE void end_group(pe_sweep *sweep, bool cones, group *g)
     }
 }
 
-/* One sweep over all groups, with momentum; `cones` as in solve_point. */
-PE_INLINE void sweep_groups(pe_sweep *sweep, bool cones)
+/* One sweep over blocks, with momentum; `cones` as in solve_point. */
+PE_INLINE void sweep_groups(pe_sweep *sweep, bool cones, int begin, int end)
 {
-    extrapolate_velocities(sweep);
-    for (int i = 0; i < group_count(sweep);) {
+    for (int i = group_of(begin); i < group_of(end);) {
         group g, h;
         start_group(sweep, i, cones, &g);
-        if (are_independent(sweep, i)) {
+        if (i + 1 < group_of(end) && are_independent(sweep, i)) {
             start_group(sweep, i + 1, cones, &h);
             for (int j = 0; j < g.block->count || j < h.block->count; ++j) {
                 solve_point(j, cones, &g);
@@ -459,26 +459,26 @@ PE_INLINE void sweep_groups(pe_sweep *sweep, bool cones)
     }
 }
 
-/* One sweep over the friction cones of all manifolds. */
-static void sweep_cones(pe_sweep *sweep)
+/* One sweep over the friction cones of the manifolds. */
+static void sweep_cones(pe_sweep *sweep, int begin, int end)
 {
-    sweep_groups(sweep, true);
+    sweep_groups(sweep, true, begin, end);
 }
 
 /* One sweep over the normal impulses only. */
-static void sweep_normals(pe_sweep *sweep)
+static void sweep_normals(pe_sweep *sweep, int begin, int end)
 {
-    sweep_groups(sweep, false);
+    sweep_groups(sweep, false, begin, end);
 }
 
 /* ---- Residuals ---- */
 
 /* Sums go by lane of the block first and then over the lanes, so that all widths give the same
  * bits. */
-static pe_violation sweep_violation(const pe_sweep *sweep)
+static pe_violation sweep_violation(const pe_sweep *sweep, int begin, int end)
 {
     pe_block_lanes deepest = {0}, squares = {0};
-    for (int i = 0; i < group_count(sweep); ++i) {
+    for (int i = group_of(begin); i < group_of(end); ++i) {
         group g;
         wide most, sum;
         load_group(sweep, i, &g);
@@ -528,9 +528,9 @@ PE_INLINE wide point_residual(const pe_sweep_point *point, int lane, wide fricti
     return wide_sqrt(d0 * d0 + d1 * d1 + d2 * d2);
 }
 
-static void sweep_residuals(const pe_sweep *sweep)
+static void sweep_residuals(const pe_sweep *sweep, int begin, int end)
 {
-    for (int i = 0; i < group_count(sweep); ++i) {
+    for (int i = group_of(begin); i < group_of(end); ++i) {
         group g;
         wide most = wide_of(0);
         load_group(sweep, i, &g);
@@ -545,6 +545,7 @@ static void sweep_residuals(const pe_sweep *sweep)
 
 static const pe_sweep_kernel SWEEP_KERNEL = {
     .prepare = sweep_prepare,
+    .extrapolate = sweep_extrapolate,
     .sweep_cones = sweep_cones,
     .sweep_normals = sweep_normals,
     .residuals = sweep_residuals,

@@ -8,7 +8,7 @@
  * bits. clang 14 does not link such a function if another file calls it; the sanitizers run before
  * the choice can be made. */
 #if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) &&       \
-    !defined(__SANITIZE_ADDRESS__)
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define WIDE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define WIDE_CLONES
@@ -24,6 +24,7 @@ pe_status pe_factor_create(const pe_pattern *pattern, pe_workspace work, pe_fact
         .pattern = pattern,
         .block = pe_take(work, (size_t)blocks + 1, sizeof *factor->block),
         .right = pe_take(work, (size_t)pattern->count + 1, sizeof *factor->right),
+        .pool = work.pool,
     };
     if (factor->block == NULL || factor->right == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for a factor of %d blocks", blocks);
@@ -263,11 +264,46 @@ INLINE void subtract_product(pe_block *c, const pe_block *a, const pe_block *b)
     }
 }
 
+/* Subtracts the products of column k that go to the columns of its blocks begin .. end - 1 below the
+ * diagonal. */
+INLINE void update_columns(const pe_factor *factor, int k, int begin, int end)
+{
+    const int *start = factor->pattern->start, *row = factor->pattern->row;
+    pe_block *block = factor->block;
+    const int first = start[k] + 1, last = start[k + 1];
+    for (int y = first + begin; y < first + end; ++y) {
+        int target = start[row[y]];
+        for (int x = y; x < last; ++x) {
+            while (row[target] != row[x]) {
+                ++target;
+            }
+            subtract_product(&block[target], &block[x], &block[y]);
+        }
+    }
+}
+
+/* A column whose products the threads share. */
+typedef struct wide_column {
+    const pe_factor *factor;
+    int k;
+} wide_column;
+
+WIDE_CLONES
+static void update_piece(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const wide_column *c = context;
+    update_columns(c->factor, c->k, begin, end);
+}
+
+/* A column of fewer blocks below the diagonal is not worth sharing; blocks of a piece. */
+enum { WIDE = 32, GRAIN = 2 };
+
 WIDE_CLONES
 bool pe_factor_compute(pe_factor *factor)
 {
     const pe_pattern *pattern = factor->pattern;
-    const int *start = pattern->start, *row = pattern->row;
+    const int *start = pattern->start;
     pe_block *block = factor->block;
     for (int k = 0; k < pattern->count; ++k) {
         double inverse[6];
@@ -278,14 +314,10 @@ bool pe_factor_compute(pe_factor *factor)
         for (int x = first; x < end; ++x) {
             divide(&block[x], &block[start[k]], inverse);
         }
-        for (int y = first; y < end; ++y) {
-            int target = start[row[y]];
-            for (int x = y; x < end; ++x) {
-                while (row[target] != row[x]) {
-                    ++target;
-                }
-                subtract_product(&block[target], &block[x], &block[y]);
-            }
+        if (factor->pool == NULL || end - first < WIDE) {
+            update_columns(factor, k, 0, end - first);
+        } else {
+            pe_pool_run(factor->pool, end - first, GRAIN, update_piece, &(wide_column){factor, k});
         }
     }
     return true;

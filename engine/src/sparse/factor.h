@@ -21,6 +21,7 @@ typedef struct pe_factor {
     const pe_pattern *pattern;
     pe_block *block; /* (pattern->start[count]): H, then its factor in place */
     pe_lanes *right; /* (count): scratch of the solves */
+    pe_pool *pool;   /* threads that share the products of wide columns; NULL: none */
 } pe_factor;
 
 /* Symmetric (nn, n1, n2, 11, 12, 22) gain of each point in its manifold's frame, N s per m/s. */

@@ -1,5 +1,4 @@
-/* One island over an interval of time: its contact problem, the solver that it gets, and the poses
- * by the velocities. */
+/* One island over an interval of time: its contact problem, and the solver that it gets. */
 #include "step.h"
 
 #include "problem/midpoint.h"
@@ -36,18 +35,6 @@ static const double UNEVEN_TOLERANCE = 1e-2, LEAST_UNEVEN_TOLERANCE = 1e-4, CALM
 static const double SWEPT_POINTS = 1250;
 static const double MOST_TOLERANCE = 0.02; /* m/s: what sweeps aim at in any island */
 
-/* A gap may shrink below 0 by this, in m, before its bodies move by the new velocity; and by the
- * displacement of a transported point. */
-static const double CLOSING_SLACK = 1e-9;
-
-/* Speed, in m/s, against which an impulse may act without mattering. */
-static const double NEGLIGIBLE_SPEED = 1e-6;
-
-/* Part of the change of a transported point's velocity along the normal in half a step, against
- * which its impulse may act: the error of second order, of which the energy guard takes the gain.
- * With the new velocities its bodies would lose a thousand times as much. */
-static const double TURNING_PART = 1;
-
 /* An island that hardly moves is made to stop, so that it can rest: in units of the tolerance, the aim of
  * these solves, and what bounds them. After so many in a row it waits. A warm start that leaves more than
  * DISTURBED, in m/s, says that something has happened. */
@@ -57,12 +44,6 @@ enum { STOPPING_ITERATIONS = 4, MOST_TRIES = 3 };
 /* How often the midpoint of a contact that rolls on a rim is found from impulses that fit at the last
  * one. */
 enum { WANDERING_ROUNDS = 2 };
-
-/* Three steps of a symmetric rule of second order, the second one backwards, make one of fourth
- * (Yoshida 1990, Construction of higher order symplectic integrators, eq. 2.12). */
-static const double YOSHIDA[3] = {1.3512071919596576, -1.7024143839193153, 1.3512071919596576};
-/* rad: a body that rotates by more in a step takes one step, because three would not converge. */
-static const double MAX_ROTATION = 0.5;
 
 /* ---- Solving ---- */
 
@@ -364,155 +345,7 @@ pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_proble
     return status;
 }
 
-/* ---- Positions ---- */
-
-/* The k-th of the six numbers. */
-static double component(const pe_twist *twist, int k)
-{
-    return pe_component(k < 3 ? twist->velocity : twist->angular_velocity, k % 3);
-}
-
-/* Whether a gap of the manifold closes within dt at these velocities. */
-static bool closes(const pe_world *world, const pe_island_problem *island,
-                   const pe_solver_manifold *manifold, const double (*velocity)[6], double dt)
-{
-    const pe_manifold_point *points = pe_manifold_points(&world->contacts);
-    double q[6], u[3];
-    pe_solver_manifold_twist(manifold, velocity, q);
-    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-        double gap = points[island->point_of[j]].separation;
-        pe_point_velocity(&island->problem.point[j], q, u);
-        pe_point_take_bias(&island->problem.point[j], u);
-        if (gap + dt * u[0] < pe_min(0, gap) - CLOSING_SLACK - dt * island->normal_change[j]) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Whether the manifold pushes, and whether it would add energy at these sums of old and new
- * velocity. */
-static bool pushes(const pe_island_problem *island, const pe_solver_manifold *manifold,
-                   const double (*sum)[6], bool *adds)
-{
-    const pe_problem *problem = &island->problem;
-    double q[6], moment[3], normal = 0, work = 0;
-    double allowed = 0;
-    pe_solver_manifold_twist(manifold, sum, q);
-    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-        const double *p = problem->impulse[j];
-        pe_cross3(q + 3, problem->point[j].s, moment);
-        for (int k = 0; k < 3; ++k) {
-            work += p[k] * (q[k] + moment[k]);
-        }
-        normal += p[0];
-        allowed += p[0] * (NEGLIGIBLE_SPEED + TURNING_PART * island->normal_change[j]);
-    }
-    *adds = work > allowed;
-    return normal > 0;
-}
-
-/* How the bodies move, and sums of their old and new velocities. */
-typedef struct motion {
-    pe_moved moved;
-    double (*sum)[6]; /* as mean */
-} motion;
-
-static pe_status begin_motion(pe_step *step, const pe_island_problem *island,
-                              const pe_free_motion *free, motion *m)
-{
-    pe_world *world = step->world;
-    const pe_problem *problem = &island->problem;
-    size_t bodies = (size_t)problem->body_count + 1;
-    m->moved.mean = pe_scratch(world, bodies, sizeof *m->moved.mean);
-    m->sum = pe_scratch(world, bodies, sizeof *m->sum);
-    m->moved.late = pe_scratch(world, bodies, sizeof *m->moved.late);
-    if (pe_scratch_failed(world)) {
-        return pe_fail(step->error, PE_NO_MEMORY, "no memory to move %d bodies",
-                       problem->body_count);
-    }
-    memset(m->moved.mean[problem->body_count], 0, sizeof *m->moved.mean);
-    memset(m->sum[problem->body_count], 0, sizeof *m->sum);
-    memset(m->moved.late, 0, bodies * sizeof *m->moved.late);
-    m->moved.late[problem->body_count] = true; /* static bodies need no flag */
-    for (int i = 0; i < problem->body_count; ++i) {
-        const pe_twist *drift = &free[island->slot[i]].mean;
-        const pe_twist *old = &pe_twists(world)[island->slot[i]];
-        const double *v = problem->velocity[i], *predicted = problem->free_velocity[i];
-        for (int k = 0; k < 6; ++k) {
-            m->moved.mean[i][k] = component(drift, k) + 0.5 * (v[k] - predicted[k]);
-            m->sum[i][k] = component(old, k) + v[k];
-        }
-    }
-    return PE_OK;
-}
-
-/* Flags the bodies that move by their new velocities, which become their mean ones. */
-static void find_late(const pe_world *world, const pe_island_problem *island, double dt, motion *m)
-{
-    const pe_problem *problem = &island->problem;
-    const double(*sum)[6] = (const double(*)[6])m->sum,
-          (*mean)[6] = (const double(*)[6])m->moved.mean;
-    bool *late = m->moved.late;
-    for (bool changed = true; changed;) {
-        changed = false;
-        for (int i = 0; i < problem->manifold_count; ++i) {
-            const pe_solver_manifold *manifold = &problem->manifold[i];
-            int a = manifold->a, b = manifold->b;
-            bool adds;
-            if (late[a] && late[b]) {
-                continue;
-            }
-            bool dynamic_late =
-                (late[a] && a != problem->body_count) || (late[b] && b != problem->body_count);
-            bool loaded = pushes(island, manifold, sum, &adds);
-            if ((loaded && (adds || dynamic_late)) || closes(world, island, manifold, mean, dt)) {
-                late[a] = late[b] = changed = true;
-                memcpy(m->moved.mean[a], problem->velocity[a], sizeof *m->moved.mean);
-                memcpy(m->moved.mean[b], problem->velocity[b], sizeof *m->moved.mean);
-            }
-        }
-    }
-}
-
-/* The angular impulse of body i's contacts acts half before and half after its rotation, or at an
- * impact all before it. So the rotation is about the new angular velocity and keeps the energy. */
-static void split_impulse(const pe_interval *interval, const pe_island_problem *island, int i,
-                          bool late, pe_vec3 impulses[2])
-{
-    const pe_problem *problem = &island->problem;
-    double change[3], impulse[3];
-    for (int k = 0; k < 3; ++k) {
-        change[k] = problem->velocity[i][3 + k] - problem->free_velocity[i][3 + k];
-    }
-    pe_symmetric_times(problem->inertia[i].tensor, change, impulse);
-    pe_vec3 applied = pe_scale(0.5 * interval->dt, interval->free[island->slot[i]].torque);
-    impulses[0] = pe_madd(applied, late ? 1 : 0.5, pe_v3_load(impulse));
-    impulses[1] = pe_madd(applied, late ? 0 : 0.5, pe_v3_load(impulse));
-}
-
-static pe_status integrate_island(pe_step *step, const pe_interval *interval,
-                                  const pe_island_problem *island, pe_moved *moved)
-{
-    pe_world *world = step->world;
-    motion m;
-    pe_status status = begin_motion(step, island, interval->free, &m);
-    if (status != PE_OK) {
-        return status;
-    }
-    find_late(world, island, interval->dt, &m);
-    for (int i = 0; i < island->problem.body_count; ++i) {
-        int slot = island->slot[i];
-        pe_vec3 impulses[2], end, mean;
-        split_impulse(interval, island, i, m.moved.late[i], impulses);
-        pe_rotate_freely(world, slot, interval->dt, impulses, &end, &mean);
-        pe_twists(world)[slot] = (pe_twist){pe_v3_load(island->problem.velocity[i]), end};
-        pe_pose_move(&pe_poses(world)[slot], pe_scale(interval->dt, pe_v3_load(m.moved.mean[i])),
-                     pe_scale(interval->dt, mean));
-    }
-    *moved = m.moved;
-    return PE_OK;
-}
+/* ---- The step ---- */
 
 pe_status pe_island_end(pe_step *step, pe_island_item *item)
 {
@@ -520,7 +353,7 @@ pe_status pe_island_end(pe_step *step, pe_island_item *item)
     pe_moved moved;
     pe_status status = end_solve(step, item);
     if (status == PE_OK) {
-        status = integrate_island(step, interval, &item->island, &moved);
+        status = pe_island_move(step, interval, &item->island, &moved);
     }
     if (status == PE_OK) {
         pe_problem_store_impulses(step->world, &item->island);
@@ -541,36 +374,4 @@ pe_status pe_island_step(pe_step *step, pe_interval *interval)
     }
     interval->path = item.interval.path;
     return status;
-}
-
-/* ---- Bodies without contacts ---- */
-
-/* Whether no torque acts on the body, and its rotation is not that of a sphere. */
-static bool spins_freely(const pe_world *world, int slot, const pe_free_motion *free, double dt)
-{
-    pe_vec3 torque = free->torque, w = pe_twists(world)[slot].angular_velocity;
-    double angle2 = dt * dt * pe_dot(w, w);
-    return world->def.profile != PE_PROFILE_FAST && !pe_masses(world)[slot].spherical &&
-           pe_dot(torque, torque) == 0 && angle2 > 0 && angle2 < MAX_ROTATION * MAX_ROTATION;
-}
-
-void pe_integrate_free(pe_world *world, int slot, const pe_free_motion *free, double dt)
-{
-    const pe_vec3 none = {0, 0, 0}, no_impulses[2] = {{0, 0, 0}, {0, 0, 0}};
-    pe_pose *pose = &pe_poses(world)[slot];
-    pe_twist *twist = &pe_twists(world)[slot];
-    pe_vec3 displacement = pe_scale(dt, free[slot].mean.velocity);
-    if (!spins_freely(world, slot, &free[slot], dt)) {
-        *twist = free[slot].end;
-        pe_pose_move(pose, displacement, pe_scale(dt, free[slot].mean.angular_velocity));
-        return;
-    }
-    for (int k = 0; k < 3; ++k) {
-        double h = YOSHIDA[k] * dt;
-        pe_vec3 mean;
-        pe_rotate_freely(world, slot, h, no_impulses, &twist->angular_velocity, &mean);
-        pe_pose_move(pose, none, pe_scale(h, mean));
-    }
-    twist->velocity = free[slot].end.velocity;
-    pe_pose_move(pose, displacement, none);
 }

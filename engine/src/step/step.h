@@ -92,7 +92,16 @@ pe_status pe_solve_islands(pe_step *step);
 /* Builds and solves the island's contact problem, and counts it in step->stats. */
 pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_problem *island);
 
-/* The same, and moves the bodies by it and stores the impulses in the contacts.
+/* The same, and moves the bodies by it (pe_island_move) and stores the impulses in the contacts. */
+pe_status pe_island_step(pe_step *step, pe_interval *interval);
+
+/* How a body of an island has moved in an interval. */
+typedef struct pe_moved {
+    double (*mean)[6]; /* (bodies + 1): mean velocities; the last item is that of static bodies */
+    bool *late;        /* (bodies + 1): moved by its new velocity, as by an impulse at the start */
+} pe_moved;
+
+/* Moves the bodies of a solved island over the interval (island_motion.c).
  *
  * A body moves by the mean of old and new velocity, which is exact for constant forces and of
  * second order otherwise. Where a contact closes within the step this would move its bodies into
@@ -104,17 +113,12 @@ pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_proble
  * both bodies move by the new velocities, with all bodies that they push, and so on until there is
  * no such contact. These bodies get their impulses at the step's start and move freely from there:
  * they lose at least |v_new - v_old|_M^2/2 of energy. */
-pe_status pe_island_step(pe_step *step, pe_interval *interval);
+pe_status pe_island_move(pe_step *step, const pe_interval *interval,
+                         const pe_island_problem *island, pe_moved *moved);
 
 /* Moves a body that touches nothing over dt, in s. Without a torque its rotation is integrated by a
  * rule of fourth order, except in the fast profile. `free` (slots): the motion without contacts. */
 void pe_integrate_free(pe_world *world, int slot, const pe_free_motion *free, double dt);
-
-/* How a body of an island has moved in an interval. */
-typedef struct pe_moved {
-    double (*mean)[6]; /* (bodies + 1): mean velocities; the last item is that of static bodies */
-    bool *late;        /* (bodies + 1): moved by its new velocity, as by an impulse at the start */
-} pe_moved;
 
 /* Lists the island's contacts apart, with their impulses over the interval, which ends at `end`, in
  * s since the start of the step. `moved` NULL: an impact, which took no time. Called when the
@@ -150,7 +154,7 @@ pe_status pe_update_contacts(pe_step *step, const bool *moved);
  * the worst part, and step->solved_directly is set. */
 pe_status pe_parts_step(pe_step *step, int k, bool *done, pe_path *path);
 
-/* ---- Position correction (correct_islands.c, position_correction.c) ---- */
+/* ---- Position correction (correct_islands.c, position_correction.c, overlap.c) ---- */
 
 /* Corrects all penetration in islands that were solved directly, and that over some slops in all,
  * as the profile says. */

@@ -1,0 +1,272 @@
+/* The contact problem of a position correction, and the sweeps over the violated part of an island. */
+#include "correction.h"
+
+#include "solver/kernels.h"
+
+/* Sweeps between two looks at the violation, after which more bodies may be swept. */
+enum { LOOK_INTERVAL = 10 };
+
+/* A body takes its other contacts into the sweeps when a point of it has moved by this part of
+ * rules->enough. */
+static const double REACHED = 0.3;
+
+/* In units of the deepest penetration of its island: a gap that no push closes. */
+static const double FAR = 4;
+
+/* ---- The problem ---- */
+
+/* The most depth that a contact of the manifold asks to be removed, in m. */
+static double most_removed(const pe_correction *c, const pe_manifold *m, bool left_alone)
+{
+    const pe_body *bodies = pe_bodies(c->world);
+    double a = bodies[m->a].is_static ? HUGE_VAL : pe_correction_way(c, m->a);
+    double b = bodies[m->b].is_static ? HUGE_VAL : pe_correction_way(c, m->b);
+    return left_alone ? 0 : pe_min(a, b);
+}
+
+/* A problem of the correction. */
+typedef struct building {
+    const pe_correction *c;
+    const pe_island_problem *built;
+} building;
+
+/* Takes friction from manifolds, and puts the gaps in the place of the biases. */
+static void set_gaps(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const building *b = context;
+    const pe_correction *c = b->c;
+    const pe_problem *problem = &b->built->problem;
+    for (int i = begin; i < end; ++i) {
+        pe_solver_manifold *manifold = &problem->manifold[i];
+        const int source = b->built->source[i];
+        const pe_manifold *m = &pe_manifolds(&c->world->contacts)[source];
+        const double least = -most_removed(c, m, c->contacts[source].left_alone);
+        manifold->friction = 0;
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
+            double gap = pe_manifold_points(&c->world->contacts)[b->built->point_of[j]].separation;
+            problem->point[j].bias = pe_max(gap + c->rules->aim, least);
+        }
+    }
+}
+
+pe_status pe_correction_build(const pe_correction *c, const pe_islands *islands, int k,
+                              pe_island_problem *built)
+{
+    pe_status status = pe_problem_build(
+        c->world, &(pe_interval){.islands = islands, .k = k, .dt = 1}, built, c->error);
+    if (status == PE_OK) {
+        building b = {c, built};
+        pe_pool_run(built->problem.pool, built->problem.manifold_count, PE_MANIFOLD_GRAIN, set_gaps,
+                    &b);
+    }
+    return status;
+}
+
+/* Sums of squared violations, by pieces of the manifolds: at most so many, of at least so many
+ * manifolds. */
+enum { MOST_PIECES = 64, LEAST_PIECE = 512 };
+
+typedef struct comparison {
+    const pe_problem *problem;
+    const bool *chosen;
+    int grain;
+    double after[MOST_PIECES], before[MOST_PIECES];
+} comparison;
+
+static void compare_manifolds(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    comparison *s = context;
+    const pe_problem *problem = s->problem;
+    double after = 0, before = 0;
+    for (int i = begin; i < end; ++i) {
+        const pe_solver_manifold *m = &problem->manifold[i];
+        double q[6], u[3];
+        if (s->chosen != NULL && !s->chosen[i]) {
+            continue;
+        }
+        pe_solver_manifold_twist(m, (const double(*)[6])problem->velocity, q);
+        for (int j = m->first; j < m->first + m->count; ++j) {
+            pe_point_velocity(&problem->point[j], q, u);
+            double depth = pe_max(-u[0], 0), depth_before = pe_max(-problem->point[j].bias, 0);
+            after += depth * depth;
+            before += depth_before * depth_before;
+        }
+    }
+    s->after[begin / s->grain] = after;
+    s->before[begin / s->grain] = before;
+}
+
+bool pe_correction_is_better(const pe_problem *problem, const bool *chosen)
+{
+    const int count = problem->manifold_count, least = pe_piece_count(count, MOST_PIECES);
+    comparison s = {problem, chosen, least < LEAST_PIECE ? LEAST_PIECE : least, {0}, {0}};
+    pe_pool_run(problem->pool, count, s.grain, compare_manifolds, &s);
+    double after = 0, before = 0;
+    for (int i = 0; i < pe_piece_count(count, s.grain); ++i) {
+        after += s.after[i];
+        before += s.before[i];
+    }
+    return after < before;
+}
+
+/* ---- Sweeping the violated part of an island ---- */
+
+static void activate(const pe_correction *c, int slot)
+{
+    c->active[slot] = !pe_bodies(c->world)[slot].is_static;
+}
+
+/* Activates the bodies of violated contacts of island k. */
+static void activate_violated(const pe_correction *c, int k)
+{
+    double depth = c->rules->aim + 0.5 * c->rules->enough;
+    for (int i = c->islands.start[k]; i < c->islands.start[k + 1]; ++i) {
+        const int index = c->islands.manifolds[i];
+        if (pe_max(0, -c->contacts[index].separation) > depth) {
+            const pe_manifold *m = &pe_manifolds(&c->world->contacts)[index];
+            activate(c, m->a);
+            activate(c, m->b);
+        }
+    }
+}
+
+/* Activates the bodies that have been pushed; returns whether there is a new one. */
+static bool activate_reached(const pe_correction *c, const pe_island_problem *built,
+                             const pe_solver_body *displacement)
+{
+    bool any = false;
+    double enough = REACHED * c->rules->enough;
+    for (int i = 0; i < built->problem.body_count; ++i) {
+        int slot = built->slot[i];
+        const double *d = displacement[i].linear, *r = displacement[i].angular;
+        double radius = pe_bodies(c->world)[slot].bounding_radius;
+        double most = sqrt(pe_dot3(d, d)) + radius * sqrt(pe_dot3(r, r));
+        if (!c->active[slot] && most > enough) {
+            activate(c, slot);
+            any = true;
+        }
+    }
+    return any;
+}
+
+static void add_near_body(pe_correction *c, int slot)
+{
+    pe_islands *near = &c->near;
+    if (!pe_bodies(c->world)[slot].is_static && near->place[slot] < 0) {
+        near->place[slot] = near->body_start[1];
+        near->bodies[near->body_start[1]++] = slot;
+    }
+}
+
+/* Lists the manifolds of island k that a push may close, and their bodies, in c->near. */
+static void list_near(pe_correction *c, int k)
+{
+    pe_islands *near = &c->near;
+    const double far = FAR * pe_correction_depth(c, &c->islands, k, false);
+    for (int i = 0; i < near->body_start[1]; ++i) {
+        near->place[near->bodies[i]] = -1;
+    }
+    near->start[1] = near->body_start[1] = 0;
+    for (int i = c->islands.start[k]; i < c->islands.start[k + 1]; ++i) {
+        const int index = c->islands.manifolds[i];
+        if (c->contacts[index].separation < far) {
+            const pe_manifold *m = &pe_manifolds(&c->world->contacts)[index];
+            near->manifolds[near->start[1]++] = index;
+            add_near_body(c, m->a);
+            add_near_body(c, m->b);
+        }
+    }
+}
+
+/* Chooses the manifolds of active bodies. `built` is that of c->near. */
+static void choose_swept(const pe_correction *c, const pe_island_problem *built, bool *chosen)
+{
+    const pe_problem *problem = &built->problem;
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const int a = problem->manifold[i].a, b = problem->manifold[i].b;
+        chosen[i] = (a < problem->body_count && c->active[built->slot[a]]) ||
+                    (b < problem->body_count && c->active[built->slot[b]]);
+    }
+}
+
+/* Sweeps the chosen manifolds of the problem until they are solved or other bodies are reached. Leaves
+ * the best impulses found. */
+static pe_status sweep_chosen(pe_correction *c, const pe_island_problem *built, const bool *chosen,
+                              pe_momentum *momentum, int *sweeps, bool *grown)
+{
+    pe_sweep sweep;
+    pe_problem_rebuild_velocity(&built->problem);
+    pe_status status = pe_sweep_create(&built->problem, chosen, pe_kernels_for(0)->sweep,
+                                       pe_step_memory(c->world), &sweep, c->error);
+    if (status != PE_OK) {
+        return status;
+    }
+    const pe_sweep_part whole = pe_sweep_whole(&sweep);
+    pe_violation best = pe_sweep_violation(&sweep);
+    if (*sweeps == 0) {
+        *momentum = pe_momentum_begin(best.deepest);
+    }
+    *grown = false;
+    while (!*grown && *sweeps < c->rules->max_sweeps && best.deepest > c->rules->enough) {
+        for (int i = 0; i < LOOK_INTERVAL; ++i) {
+            pe_sweep_set_beta(&sweep, &whole, pe_momentum_next(momentum));
+            pe_sweep_normals(&sweep);
+        }
+        *sweeps += LOOK_INTERVAL;
+        pe_violation now = pe_sweep_violation(&sweep);
+        pe_momentum_look(momentum, LOOK_INTERVAL, now.deepest);
+        *grown = activate_reached(c, built, sweep.velocity);
+        if (now.squares < best.squares || *grown) {
+            best = now;
+            pe_sweep_store(&sweep, &whole);
+        }
+    }
+    return PE_OK;
+}
+
+pe_status pe_correction_sweep(pe_correction *c, int k, pe_island_problem *built, bool *better)
+{
+    activate_violated(c, k);
+    list_near(c, k);
+    pe_status status = pe_correction_build(c, &c->near, 0, built);
+    if (status != PE_OK) {
+        return status;
+    }
+    bool *chosen = pe_scratch(c->world, (size_t)built->problem.manifold_count + 1, sizeof *chosen);
+    if (chosen == NULL) {
+        return pe_fail(c->error, PE_NO_MEMORY, "no memory to sweep %d contact points",
+                       built->problem.point_count);
+    }
+    choose_swept(c, built, chosen);
+    pe_momentum momentum;
+    int sweeps = 0;
+    pe_arena_mark before = pe_arena_fill(&c->world->arena);
+    for (bool grown = true; grown && sweeps < c->rules->max_sweeps && status == PE_OK;) {
+        pe_arena_rewind(&c->world->arena, &c->world->allocator, before);
+        status = sweep_chosen(c, built, chosen, &momentum, &sweeps, &grown);
+        choose_swept(c, built, chosen);
+    }
+    pe_problem_rebuild_velocity(&built->problem);
+    *better = status == PE_OK && pe_correction_is_better(&built->problem, chosen);
+    c->iterations = sweeps > c->iterations ? sweeps : c->iterations;
+    return status;
+}
+
+pe_status pe_correction_begin_sweeps(pe_correction *c)
+{
+    pe_world *world = c->world;
+    c->active = pe_scratch_zero(world, (size_t)world->slot_count, sizeof *c->active);
+    pe_islands_take(world, (size_t)world->contacts.manifold_count, &c->near);
+    c->near.count = 1;
+    if (pe_scratch_failed(world)) {
+        return pe_fail(c->error, PE_NO_MEMORY, "no memory to move %d contact points apart",
+                       world->contacts.point_count);
+    }
+    c->near.start[0] = c->near.start[1] = c->near.body_start[0] = c->near.body_start[1] = 0;
+    for (int i = 0; i < world->slot_count; ++i) {
+        c->near.place[i] = -1;
+    }
+    return PE_OK;
+}
