@@ -56,7 +56,7 @@ static void find(forest *f, char (*listed)[ITEMS])
     pe_pair_list pairs = {.work = {&f->arena, &f->allocator}};
     assert_int_equal(pe_tree_update(&f->tree, pairs.work, NULL), PE_OK);
     pe_node_pair starts[PE_MOST_STARTS];
-    const int count = pe_tree_query_starts(&f->tree, &f->tree, starts);
+    const int count = pe_tree_query_starts(&f->tree, &f->tree, PE_MOST_STARTS, starts);
     assert_true(count <= PE_MOST_STARTS);
     for (int i = 0; i < count; ++i) {
         assert_int_equal(pe_tree_query_from(&f->tree, &f->tree, starts[i], &pairs, NULL), PE_OK);

@@ -448,7 +448,7 @@ static void open_pair(const query *y, node_pairs *m, pe_node_pair now)
     }
 }
 
-int pe_tree_query_starts(const pe_tree *a, const pe_tree *b, pe_node_pair *starts)
+int pe_tree_query_starts(const pe_tree *a, const pe_tree *b, int most, pe_node_pair *starts)
 {
     if (a->root == NONE || b->root == NONE) {
         return 0;
@@ -460,7 +460,7 @@ int pe_tree_query_starts(const pe_tree *a, const pe_tree *b, pe_node_pair *start
     } else {
         push_overlapping(&y, &m, a->root, b->root);
     }
-    for (int pass = 0; pass < MAX_HEIGHT && 3 * m.count <= PE_MOST_STARTS; ++pass) {
+    for (int pass = 0; pass < MAX_HEIGHT && 3 * m.count <= most; ++pass) {
         pe_node_pair old[PE_MOST_STARTS];
         const int count = m.count;
         memcpy(old, starts, (size_t)count * sizeof *old);

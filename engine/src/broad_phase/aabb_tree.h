@@ -102,9 +102,9 @@ typedef struct pe_node_pair {
 
 enum { PE_MOST_STARTS = 256 };
 
-/* Divides a query: fills starts (PE_MOST_STARTS) with nodes below which all pairs are, and returns how
- * many there are. The trees may be the same, and must be updated. */
-int pe_tree_query_starts(const pe_tree *a, const pe_tree *b, pe_node_pair *starts);
+/* Divides a query: fills starts (most, PE_MOST_STARTS or fewer) with nodes below which all pairs are, and
+ * returns how many there are. The trees may be the same, and must be updated. */
+int pe_tree_query_starts(const pe_tree *a, const pe_tree *b, int most, pe_node_pair *starts);
 
 /* Appends all pairs of items below the start, one of each tree, whose boxes overlap and of which one has
  * a marked leaf. Each pair comes once, from one of the starts. */

@@ -377,7 +377,8 @@ static pe_status query(pe_world *world, const pe_tree *with, pe_pair_list *pairs
         q.found[i] = (pe_pair_list){.work = pe_step_memory(pe_view_of(world, (int)i))};
     }
     if (status == PE_OK) {
-        const int starts = pe_tree_query_starts(&world->broad->dynamics, with, q.starts);
+        const int most = world->pool != NULL ? PE_MOST_STARTS : 1;
+        const int starts = pe_tree_query_starts(&world->broad->dynamics, with, most, q.starts);
         pe_pool_run(world->pool, starts, 1, query_from, &q);
     }
     for (size_t i = 0; i < threads && status == PE_OK; ++i) {

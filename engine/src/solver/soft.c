@@ -131,6 +131,8 @@ pe_status pe_soft_plan_make(pe_world *world, const pe_chosen_islands *chosen,
 
 /* ---- The step ---- */
 
+enum { NARROW = 4 }; /* lanes */
+
 /* A colour of fewer contacts is not worth sharing; bodies of a piece. */
 enum { SHARED_CONTACTS = 256, BODY_GRAIN = 256 };
 
@@ -270,11 +272,30 @@ static double penetration_of(const pe_soft_task *task)
     return deepest;
 }
 
+/* How many blocks of so many lanes the plan takes. */
+static int count_blocks(const pe_soft_plan *plan, int lanes)
+{
+    int blocks = 0;
+    for (int q = 0; q < plan->batch_count; ++q) {
+        blocks += pe_piece_count(plan->batches[q].count, plan->batches[q].serial ? 1 : lanes);
+    }
+    return blocks;
+}
+
+/* The kernels for so many lanes; 0: for the plan. Few contacts leave most of eight lanes empty, and a block
+ * of four costs less. The bits are the same. */
+static const pe_kernels *choose_kernels(const pe_soft_plan *plan, int lanes)
+{
+    const pe_kernels *widest = pe_kernels_for(lanes);
+    const bool few = 4 * count_blocks(plan, NARROW) <= 5 * count_blocks(plan, widest->lanes);
+    return lanes == 0 && widest->lanes > NARROW && few ? pe_kernels_for(NARROW) : widest;
+}
+
 pe_status pe_soft_step(pe_world *world, const pe_chosen_islands *islands, double dt,
                        const pe_soft_settings *given, pe_soft_report *report, pe_error *error)
 {
     const pe_soft_settings settings = given != NULL ? *given : pe_soft_settings_default();
-    const pe_kernels *kernels = pe_kernels_for(settings.lanes);
+    const pe_kernels *kernels = NULL;
     int substeps = count_substeps(dt, &settings);
     double h = dt / substeps;
     pe_solver_bodies bodies;
@@ -298,6 +319,7 @@ pe_status pe_soft_step(pe_world *world, const pe_chosen_islands *islands, double
         status = pe_soft_plan_make(world, islands, &bodies, &plan, error);
     }
     if (status == PE_OK) {
+        kernels = choose_kernels(&plan, settings.lanes);
         status = take_blocks(world, kernels, &task, error);
     }
     if (status != PE_OK) {
