@@ -1,8 +1,8 @@
 /* The table is what tests/benchmark/converged_references.py prints of ensembles of 16 members, each
  * displaced by 1e-4 of a body's size and 1e-4 rad, on plumb:accurate, ode:quick with 100
  * iterations and bullet:si with 100 iterations; falling-cubes also on mujoco:recommended. The step
- * is 1/480 s, of wall-collapse, pile and rubble 1/240 s. Over each row stand the engines that agree,
- * as that script defines it; the interval holds the converged runs of all engines.
+ * is 1/480 s, of wall-collapse, pile, rubble and avalanche 1/240 s. Over each row stand the engines
+ * that agree, as that script defines it; the interval holds the converged runs of all engines.
  *
  * No two engines agree on mass_height of falling-cubes, container and rubble, on energy_lost of
  * domino-into-pile, on spread_x of wall-collapse, nor on run_out_p95 of domino-spiral.
@@ -103,6 +103,16 @@ static const converged table[] = {
     {"rubble", PL_STATISTIC_SPREAD_Y, 1.192, 1.224, 1.21},
     /* plumb:accurate, ode:quick */
     {"rubble", PL_STATISTIC_ENERGY_LOST, 640.9, 653.7, 648},
+    /* plumb:accurate, ode:quick */
+    {"avalanche", PL_STATISTIC_MASS_HEIGHT, 0.379, 0.4531, 0.417},
+    /* plumb:accurate, ode:quick */
+    {"avalanche", PL_STATISTIC_RUN_OUT_P95, 8.468, 8.874, 8.74},
+    /* plumb:accurate, bullet:si */
+    {"avalanche", PL_STATISTIC_SPREAD_X, 1.008, 1.21, 3.06},
+    /* plumb:accurate, bullet:si */
+    {"avalanche", PL_STATISTIC_SPREAD_Y, 2.878, 3.114, 3.06},
+    /* plumb:accurate, ode:quick, bullet:si */
+    {"avalanche", PL_STATISTIC_ENERGY_LOST, 813.9, 825.8, 820},
 };
 /* clang-format on */
 
