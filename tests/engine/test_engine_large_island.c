@@ -239,6 +239,7 @@ static void test_large_islands_allocate_nothing_after_warm_up(void **state)
         pe_world_def def = pe_world_def_default();
         def.profile = profiles[k];
         def.threads = 3;
+        def.tasks = tasks_at_once();
         def.allocator = (pe_allocator){count_allocate, count_release, &c};
         pe_world *world = make_moving_wall(&def, ids);
         for (int i = 0; i < 40; ++i) {

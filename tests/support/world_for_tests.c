@@ -84,3 +84,21 @@ void wake_all(pe_world *world)
     pe_rest_mark_all(world);
     require(pe_rest_wake(world, &error), &error);
 }
+
+static void *run_at_once(void (*work)(void *argument), void *argument, void *context)
+{
+    (void)context;
+    work(argument);
+    return NULL;
+}
+
+static void wait_for_nothing(void *task, void *context)
+{
+    (void)task;
+    (void)context;
+}
+
+pe_task_system tasks_at_once(void)
+{
+    return (pe_task_system){.run = run_at_once, .wait = wait_for_nothing};
+}

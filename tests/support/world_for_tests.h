@@ -12,6 +12,10 @@ pe_body_def box_def(double hx, double hy, double hz, pe_vec3 position);
 pe_body_state state_of(const pe_world *world, pe_body_id body);
 pe_step_stats step(pe_world *world, double dt);
 
+/* A task system that runs each task within the call that submits it: the same thread always does the same
+ * work. */
+pe_task_system tasks_at_once(void);
+
 /* Has the contacts of islands at rest in world->contacts, as those of the others. */
 void wake_all(pe_world *world);
 

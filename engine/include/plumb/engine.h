@@ -391,7 +391,8 @@ typedef struct pe_step_stats {
  * `stats` may be NULL. PE_BAD_ARGUMENT for a dt out of range; PE_NO_MEMORY; PE_NOT_FINITE, naming
  * the body and the number, if a state would not stay finite and within 1e15 m, 1e30 m/s and rad/s,
  * which also drops the forces that were applied. Then no body has moved, and the world can be used
- * as before. After some steps of a scene that does not grow no memory is allocated. */
+ * as before. After some steps of a scene that does not grow no memory is allocated, unless one of several
+ * threads gets a larger share of the work than ever before. */
 pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_error *error);
 
 /* Where a contact is, seen from its bodies: world axes. */
