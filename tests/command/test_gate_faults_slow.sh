@@ -24,7 +24,7 @@ judge() {
 friction='s/manifold->friction = m->friction;/manifold->friction = FACTOR * m->friction;/'
 faulty wider engine/src/problem/problem_build.c "${friction/FACTOR/1.01}"
 faulty narrower engine/src/problem/problem_build.c "${friction/FACTOR/0.99}"
-faulty cold engine/src/contact/contact.c \
+faulty cold engine/src/contact/pair_contacts.c \
     's/point->impulse = pe_dot(impulse, normal) > 0 ? impulse/point->impulse = pe_dot(impulse, normal) > 0 \&\& 0 ? impulse/'
 for fault in wider narrower cold; do
     mkdir "$directory/$fault-results"
