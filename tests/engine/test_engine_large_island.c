@@ -64,41 +64,47 @@ static uint64_t hash_problem(uint64_t hash, const pe_problem *problem)
 
 enum { SPARSE_BODIES = 3000, SPARSE_MANIFOLDS = 4500 };
 
-/* Sweeps with momentum over all manifolds, and then without over every third one. */
+/* Some sweeps of the problem, by `sweep_once`. */
+static uint64_t hash_sweeps(uint64_t hash, shared_problem *s, pe_sweep *sweep,
+                            void (*sweep_once)(pe_sweep *sweep))
+{
+    int shared = 0;
+    for (int i = 0; i < sweep->stages.count; ++i) {
+        shared += sweep->stages.of[i].shared;
+    }
+    assert_true(shared >= 2);
+    const pe_sweep_part whole = pe_sweep_whole(sweep);
+    for (int n = 0; n < 6; ++n) {
+        pe_sweep_set_beta(sweep, &whole, 0.1 * n);
+        sweep_once(sweep);
+    }
+    const pe_violation violation = pe_sweep_violation(sweep);
+    pe_sweep_store(sweep, &whole);
+    pe_problem_rebuild_velocity(&s->problem);
+    return hash_problem(hash_of(hash, &violation, sizeof violation), &s->problem);
+}
+
+/* Sweeps over all cones, and then over the normals of two thirds of the manifolds. */
 static uint64_t hash_of_sweeps(const pe_contact_problem *source, int threads)
 {
     static bool chosen[SPARSE_MANIFOLDS];
+    const pe_sweep_kernel *kernel = pe_kernels_for(0)->sweep;
     shared_problem s;
+    pe_sweep sweep;
+    double worst;
     share(&s, source, threads);
     uint64_t hash = hash_problem(UINT64_C(14695981039346656037), &s.problem);
-    for (int part = 0; part < 2; ++part) {
-        for (int i = 0; i < SPARSE_MANIFOLDS; ++i) {
-            chosen[i] = part == 0 || i % 3 == 0;
-        }
-        pe_sweep sweep;
-        assert_int_equal(
-            pe_sweep_create(&s.problem, chosen, pe_kernels_for(0)->sweep, s.work, &sweep, NULL),
-            PE_OK);
-        int shared = 0;
-        for (int i = 0; i < sweep.stages.count; ++i) {
-            shared += sweep.stages.of[i].shared;
-        }
-        assert_true(shared >= 2);
-        const pe_sweep_part whole = pe_sweep_whole(&sweep);
-        for (int n = 0; n < 4; ++n) {
-            pe_sweep_set_beta(&sweep, &whole, part == 0 ? 0.2 * n : 0);
-            pe_sweep_cones(&sweep);
-            pe_sweep_normals(&sweep);
-        }
-        double worst;
-        pe_sweep_residuals(&sweep, &whole, 1, &worst);
-        const pe_violation violation = pe_sweep_violation(&sweep);
-        hash = hash_of(hash, &worst, sizeof worst);
-        hash = hash_of(hash, &violation, sizeof violation);
-        pe_sweep_store(&sweep, &whole);
-        pe_problem_rebuild_velocity(&s.problem);
-        hash = hash_problem(hash, &s.problem);
+    assert_int_equal(pe_sweep_create(&s.problem, kernel, s.work, &sweep, NULL), PE_OK);
+    hash = hash_sweeps(hash, &s, &sweep, pe_sweep_cones);
+    const pe_sweep_part whole = pe_sweep_whole(&sweep);
+    pe_sweep_residuals(&sweep, &whole, 1, &worst);
+    hash = hash_of(hash, &worst, sizeof worst);
+    for (int i = 0; i < SPARSE_MANIFOLDS; ++i) {
+        chosen[i] = i % 3 != 0;
     }
+    assert_int_equal(pe_sweep_create_normals(&s.problem, chosen, kernel, s.work, &sweep, NULL),
+                     PE_OK);
+    hash = hash_sweeps(hash, &s, &sweep, pe_sweep_normals);
     end_sharing(&s);
     return hash;
 }

@@ -105,8 +105,8 @@ static void test_a_sweep_is_gauss_seidel_point_by_point(void **state)
         bench_forget_impulses(b);
         pe_problem_rebuild_velocity(&b->problem);
         pe_sweep sweep;
-        assert_int_equal(pe_sweep_create(&b->problem, NULL, pe_kernels_for(0)->sweep,
-                                         bench_workspace(b), &sweep, NULL),
+        assert_int_equal(pe_sweep_create(&b->problem, pe_kernels_for(0)->sweep, bench_workspace(b),
+                                         &sweep, NULL),
                          PE_OK);
         for (int i = 0; i < 3; ++i) {
             pe_sweep_cones(&sweep);
@@ -127,8 +127,8 @@ static void test_sweep_residual_equals_the_reported_one(void **state)
         bench_put_heap(b, seed, 60, 100, 8);
         pe_problem_rebuild_velocity(&b->problem);
         pe_sweep sweep;
-        assert_int_equal(pe_sweep_create(&b->problem, NULL, pe_kernels_for(0)->sweep,
-                                         bench_workspace(b), &sweep, NULL),
+        assert_int_equal(pe_sweep_create(&b->problem, pe_kernels_for(0)->sweep, bench_workspace(b),
+                                         &sweep, NULL),
                          PE_OK);
         for (int i = 0; i < 4; ++i) {
             double seen = residual_of(&sweep);
@@ -152,8 +152,7 @@ static void run(sweep_bench *b, const pe_sweep_kernel *kernel, outcome *o)
     pe_sweep sweep;
     bench_forget_impulses(b);
     pe_problem_rebuild_velocity(&b->problem);
-    assert_int_equal(pe_sweep_create(&b->problem, NULL, kernel, bench_workspace(b), &sweep, NULL),
-                     PE_OK);
+    assert_int_equal(pe_sweep_create(&b->problem, kernel, bench_workspace(b), &sweep, NULL), PE_OK);
     for (int i = 0; i < 12; ++i) {
         set_beta(&sweep, i < 3 ? 0 : 0.8);
         pe_sweep_cones(&sweep);

@@ -3,6 +3,8 @@
 
 #include "midpoint.h"
 
+#include <string.h>
+
 /* Gaps and penetrations up to this, in m, belong to contacts that touch: rounding and tolerances
  * leave them. A tenth of them is corrected in each step, by the velocities, so that a stack at rest
  * does not drift: a tower of 1000 leans by a micrometre when its contacts tilt by 1e-12. To correct
@@ -213,8 +215,13 @@ pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_isla
     building b = {world, interval, built};
     pe_pool_run(problem->pool, problem->body_count, PE_PROBLEM_BODY_GRAIN, fill_bodies, &b);
     pe_pool_run(problem->pool, problem->manifold_count, PE_MANIFOLD_GRAIN, fill_manifolds, &b);
+    if (interval->free == NULL) {
+        const size_t bodies = (size_t)problem->body_count + 1;
+        memset(problem->velocity, 0, bodies * sizeof *problem->velocity);
+        return PE_OK;
+    }
     pe_problem_rebuild_velocity(problem);
-    if (interval->free != NULL && !interval->instant && world->def.profile != PE_PROFILE_FAST) {
+    if (!interval->instant && world->def.profile != PE_PROFILE_FAST) {
         return pe_problem_to_midpoint(world, built, interval->free, interval->dt, interval->solved,
                                       error);
     }

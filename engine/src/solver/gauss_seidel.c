@@ -157,7 +157,7 @@ pe_status pe_solve_together(const pe_problem *const *problems, int count,
     pe_status status = take_memory(problems, count, work, &s, error);
     if (status != PE_OK ||
         (status = pe_sweep_join(problems, count, work, &joint, s.parts, error)) != PE_OK ||
-        (status = pe_sweep_create(&joint, NULL, pe_kernels_for(0)->sweep, work, &s.sweep, error)) !=
+        (status = pe_sweep_create(&joint, pe_kernels_for(0)->sweep, work, &s.sweep, error)) !=
             PE_OK) {
         return status;
     }

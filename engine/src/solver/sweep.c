@@ -140,6 +140,7 @@ static void fill_manifold(const pe_problem *problem, const pe_solver_manifold *m
     block->a[lane] = manifold->a;
     block->b[lane] = manifold->b;
     block->friction[lane] = manifold->friction;
+    block->beta[lane] = 0;
     for (int k = 0; k < 3; ++k) {
         block->normal[k][lane] = manifold->frame[0][k];
         block->tangent[k][lane] = manifold->frame[1][k];
@@ -152,33 +153,43 @@ static void fill_manifold(const pe_problem *problem, const pe_solver_manifold *m
     }
 }
 
-static void fill_point(const pe_solver_point *from, const double p[3], pe_sweep_point *point,
-                       int lane)
+static void fill_point(const pe_sweep *sweep, int j, pe_sweep_point *point, int lane)
 {
+    const pe_solver_point *from = &sweep->problem->point[j];
+    const double *p = sweep->problem->impulse[j];
     for (int k = 0; k < 3; ++k) {
         point->s[k][lane] = from->s[k];
+    }
+    point->bias[lane] = from->bias;
+    point->inverse_wnn[lane] = 1;
+    for (int k = 0; k < (sweep->normals ? 1 : 3); ++k) {
         point->impulse[k][lane] = p[k];
         point->before[k][lane] = p[k];
     }
-    point->bias[lane] = from->bias;
-    point->slip[0][lane] = from->slip[0];
-    point->slip[1][lane] = from->slip[1];
-    point->scale[lane] = from->scale;
-    point->inverse_wnn[lane] = 1;
+    if (!sweep->normals) {
+        point->slip[0][lane] = from->slip[0];
+        point->slip[1][lane] = from->slip[1];
+        point->scale[lane] = from->scale;
+    }
 }
 
-/* Sets a block, of which colour and counts are set, to no manifolds. */
-static void clear_block(const pe_sweep *sweep, pe_sweep_block *block)
+/* Makes a lane of one that has no point. */
+static void clear_point(pe_sweep_point *point, int lane)
 {
-    pe_sweep_point *points = &sweep->points[block->first];
-    *block =
-        (pe_sweep_block){.colour = block->colour, .first = block->first, .count = block->count};
-    memset(points, 0, (size_t)block->count * sizeof *points);
-    for (int lane = 0; lane < PE_BLOCK_LANES; ++lane) {
-        block->a[lane] = block->b[lane] = sweep->problem->body_count;
-        for (int j = 0; j < block->count; ++j) {
-            points[j].bias[lane] = FAR_AWAY;
-        }
+    double *row = point->s[0] + lane;
+    for (size_t k = 0; k < sizeof *point / sizeof(pe_block_lanes); ++k) {
+        row[PE_BLOCK_LANES * k] = 0;
+    }
+    point->bias[lane] = FAR_AWAY;
+}
+
+/* Makes a lane of one that has no manifold. */
+static void clear_lane(const pe_sweep *sweep, pe_sweep_block *block, int lane)
+{
+    double *row = block->normal[0] + lane, *end = block->beta + PE_BLOCK_LANES;
+    block->a[lane] = block->b[lane] = sweep->problem->body_count;
+    for (; row < end; row += PE_BLOCK_LANES) {
+        *row = 0;
     }
 }
 
@@ -190,18 +201,22 @@ static void fill_blocks(void *context, int worker, int begin, int end)
     const pe_problem *problem = sweep->problem;
     for (int k = begin; k < end; ++k) {
         pe_sweep_block *block = &sweep->blocks[k];
-        clear_block(sweep, block);
+        pe_sweep_point *points = &sweep->points[block->first];
         for (int lane = 0; lane < PE_BLOCK_LANES; ++lane) {
             const int i = sweep->source[PE_BLOCK_LANES * k + lane];
+            const pe_solver_manifold *manifold = &problem->manifold[i < 0 ? 0 : i];
+            const int count = i < 0 ? 0 : manifold->count;
             if (i < 0) {
-                continue;
+                clear_lane(sweep, block, lane);
+            } else {
+                fill_manifold(problem, manifold, block, lane);
             }
-            const pe_solver_manifold *manifold = &problem->manifold[i];
-            fill_manifold(problem, manifold, block, lane);
-            for (int j = 0; j < manifold->count; ++j) {
-                fill_point(&problem->point[manifold->first + j],
-                           problem->impulse[manifold->first + j], &sweep->points[block->first + j],
-                           lane);
+            for (int j = 0; j < block->count; ++j) {
+                if (j < count) {
+                    fill_point(sweep, manifold->first + j, &points[j], lane);
+                } else {
+                    clear_point(&points[j], lane);
+                }
             }
         }
         sweep->kernel->prepare(sweep, k, k + 1);
@@ -238,15 +253,16 @@ static bool take_points(pe_workspace work, pe_sweep *sweep)
     return sweep->points != NULL;
 }
 
-pe_status pe_sweep_create(const pe_problem *problem, const bool *chosen,
-                          const pe_sweep_kernel *kernel, pe_workspace work, pe_sweep *sweep,
-                          pe_error *error)
+static pe_status create(const pe_problem *problem, const bool *chosen, bool normals,
+                        const pe_sweep_kernel *kernel, pe_workspace work, pe_sweep *sweep,
+                        pe_error *error)
 {
     size_t manifolds = (size_t)problem->manifold_count + 1,
            bodies = (size_t)problem->body_count + 1;
     *sweep = (pe_sweep){
         .problem = problem,
         .kernel = kernel,
+        .normals = normals,
         .velocity = pe_take(work, bodies, sizeof *sweep->velocity),
         .before = pe_take(work, bodies, sizeof *sweep->before),
         .beta = pe_take(work, bodies, sizeof *sweep->beta),
@@ -276,4 +292,17 @@ pe_status pe_sweep_create(const pe_problem *problem, const bool *chosen,
 no_memory:
     return pe_fail(error, PE_NO_MEMORY, "no memory to sweep %d contact points",
                    problem->point_count);
+}
+
+pe_status pe_sweep_create(const pe_problem *problem, const pe_sweep_kernel *kernel,
+                          pe_workspace work, pe_sweep *sweep, pe_error *error)
+{
+    return create(problem, NULL, false, kernel, work, sweep, error);
+}
+
+pe_status pe_sweep_create_normals(const pe_problem *problem, const bool *chosen,
+                                  const pe_sweep_kernel *kernel, pe_workspace work, pe_sweep *sweep,
+                                  pe_error *error)
+{
+    return create(problem, chosen, true, kernel, work, sweep, error);
 }

@@ -70,6 +70,7 @@ enum { PE_SUM_GRAIN = 128 };
 typedef struct pe_sweep {
     const pe_problem *problem;
     const struct pe_sweep_kernel *kernel;
+    bool normals; /* only normal impulses are swept; rows that they do not need are not filled */
     int block_count, point_count;
     pe_sweep_block *blocks;
     pe_sweep_point *points;
@@ -104,11 +105,15 @@ typedef struct pe_sweep_kernel {
     pe_violation (*violation)(const pe_sweep *sweep, int begin, int end);
 } pe_sweep_kernel;
 
-/* Lays out a problem, which stays borrowed, with its impulses and velocities, in the workspace. Only
- * the manifolds with chosen[i] are swept; NULL: all. */
-pe_status pe_sweep_create(const pe_problem *problem, const bool *chosen,
-                          const pe_sweep_kernel *kernel, pe_workspace work, pe_sweep *sweep,
-                          pe_error *error);
+/* Lays out a problem, which stays borrowed, with its impulses and velocities, in the workspace. */
+pe_status pe_sweep_create(const pe_problem *problem, const pe_sweep_kernel *kernel,
+                          pe_workspace work, pe_sweep *sweep, pe_error *error);
+
+/* The same for pe_sweep_normals alone, over the manifolds with chosen[i]; NULL: all. It is used as a
+ * whole, and has no residuals but a violation. */
+pe_status pe_sweep_create_normals(const pe_problem *problem, const bool *chosen,
+                                  const pe_sweep_kernel *kernel, pe_workspace work, pe_sweep *sweep,
+                                  pe_error *error);
 
 /* The whole problem as one part. */
 pe_sweep_part pe_sweep_whole(const pe_sweep *sweep);

@@ -225,21 +225,25 @@ PE_INLINE void add_coupling(const wide frame[3][3], const wide inverse_inertia[6
     }
 }
 
-/* W = J M^-1 J^T of a point. Its columns are the velocities by unit impulses along n, t1 and t2. */
-PE_INLINE void prepare_point(pe_sweep_point *point, int lane, const coupling *e)
+/* W = J M^-1 J^T of a point. Its columns are the velocities by unit impulses along n, t1 and t2; with
+ * `normals` the first one is enough. */
+PE_INLINE void prepare_point(pe_sweep_point *point, int lane, bool normals, const coupling *e)
 {
     wide s[3], w[3][3];
     load_rows(point->s[0], lane, 3, s);
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < (normals ? 1 : 3); ++k) {
         wide unit[3] = {wide_of(k == 0), wide_of(k == 1), wide_of(k == 2)}, wrench[6], change[6];
         wrench_of(s, unit, wrench);
         twist_change(e, wrench, change);
         velocity_at(change, s, w[k]);
     }
-    wide half = wide_of(0.5) * (w[1][1] - w[2][2]);
-    wide largest = wide_of(0.5) * (w[1][1] + w[2][2]) + wide_sqrt(half * half + w[1][2] * w[1][2]);
     wide present = load(point->inverse_wnn + lane); /* 1 or 0, as it was filled */
     store(point->inverse_wnn + lane, present * wide_inverse(w[0][0]));
+    if (normals) {
+        return;
+    }
+    wide half = wide_of(0.5) * (w[1][1] - w[2][2]);
+    wide largest = wide_of(0.5) * (w[1][1] + w[2][2]) + wide_sqrt(half * half + w[1][2] * w[1][2]);
     store(point->inverse_wtt + lane, present * wide_inverse(largest));
     store(point->wn1 + lane, w[0][1]);
     store(point->wn2 + lane, w[0][2]);
@@ -252,7 +256,9 @@ static void sweep_prepare(pe_sweep *sweep, int begin, int end)
         coupling e;
         wide iA[6], iB[6];
         load_group(sweep, i, &g);
-        load_coupling(g.block, g.lane, &e); /* zero, as it was filled */
+        for (int k = 0; k < 9; ++k) {
+            e.linear[k < 6 ? k : 0] = e.angular[k < 6 ? k : 0] = e.mixed[k] = wide_of(0);
+        }
         load_rows(g.block->inverse_inertia_a[0], g.lane, 6, iA);
         load_rows(g.block->inverse_inertia_b[0], g.lane, 6, iB);
         add_coupling((const wide(*)[3])g.frame, iA, g.rA, g.p.mA, &e);
@@ -261,7 +267,7 @@ static void sweep_prepare(pe_sweep *sweep, int begin, int end)
         store_rows(g.block->mixed[0], g.lane, 9, e.mixed);
         store_rows(g.block->angular[0], g.lane, 6, e.angular);
         for (int j = 0; j < g.block->count; ++j) {
-            prepare_point(&g.points[j], g.lane, &e);
+            prepare_point(&g.points[j], g.lane, sweep->normals, &e);
         }
     }
 }

@@ -148,7 +148,7 @@ static void store_manifolds(void *context, int worker, int begin, int end)
         int lane = sweep->place[i] % PE_BLOCK_LANES;
         int first = sweep->blocks[sweep->place[i] / PE_BLOCK_LANES].first;
         for (int j = 0; j < manifold->count; ++j) {
-            for (int k = 0; k < 3; ++k) {
+            for (int k = 0; k < (sweep->normals ? 1 : 3); ++k) {
                 problem->impulse[manifold->first + j][k] =
                     sweep->points[first + j].impulse[k][lane];
             }

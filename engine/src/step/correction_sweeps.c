@@ -197,9 +197,11 @@ static pe_status sweep_chosen(pe_correction *c, const pe_island_problem *built, 
                               pe_momentum *momentum, int *sweeps, bool *grown)
 {
     pe_sweep sweep;
-    pe_problem_rebuild_velocity(&built->problem);
-    pe_status status = pe_sweep_create(&built->problem, chosen, pe_kernels_for(0)->sweep,
-                                       pe_step_memory(c->world), &sweep, c->error);
+    if (*sweeps > 0) { /* until then impulses and velocities are 0 */
+        pe_problem_rebuild_velocity(&built->problem);
+    }
+    pe_status status = pe_sweep_create_normals(&built->problem, chosen, pe_kernels_for(0)->sweep,
+                                               pe_step_memory(c->world), &sweep, c->error);
     if (status != PE_OK) {
         return status;
     }
