@@ -36,6 +36,7 @@ NOT_RUN = (
     (r"^\./compare/state\b", "this takes half an hour"),
     (r"^cmake --workflow", "this builds once more"),
     (r"^plumb solve --benchmark", "this takes ten minutes"),
+    (r"^tests/benchmark/cost_by_size", "this takes a quarter of an hour"),
     (r"^plumb (threshold|sweep) .*--cpu-limit 20 --timeout 90", "this takes minutes; compare/state runs it"),
     (r"^plumb view state/runs", "compare/state makes that folder"),
 )
