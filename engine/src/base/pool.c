@@ -33,7 +33,7 @@ struct pe_pool {
     /* The loop. It stays as it is while a thread is inside it. */
     pe_piece *piece;
     void *context;
-    int count, grain, pieces;
+    int begin, end, grain, pieces;
 
     pthread_cond_t wake;
 
@@ -52,14 +52,17 @@ static void relax(void)
 #endif
 }
 
+static int end_of(int begin, int end, int grain)
+{
+    return end - begin < grain ? end : begin + grain;
+}
+
 static void take_pieces(pe_pool *pool, int worker)
 {
     for (int i;
          (i = atomic_fetch_add_explicit(&pool->next, 1, memory_order_relaxed)) < pool->pieces;) {
-        const int begin = i * pool->grain;
-        const int left = pool->count - begin;
-        pool->piece(pool->context, worker, begin,
-                    begin + (left < pool->grain ? left : pool->grain));
+        const int begin = pool->begin + i * pool->grain;
+        pool->piece(pool->context, worker, begin, end_of(begin, pool->end, pool->grain));
     }
 }
 
@@ -215,19 +218,20 @@ static void close_loop(pe_pool *pool)
     }
 }
 
-void pe_pool_run(pe_pool *pool, int count, int grain, pe_piece *piece, void *context)
+void pe_pool_run_range(pe_pool *pool, int begin, int end, int grain, pe_piece *piece, void *context)
 {
-    if (pool == NULL || count <= grain) {
-        for (int begin = 0; begin < count; begin += grain) {
-            piece(context, 0, begin, count - begin < grain ? count : begin + grain);
+    if (pool == NULL || end - begin <= grain) {
+        for (int i = begin; i < end; i = end_of(i, end, grain)) {
+            piece(context, 0, i, end_of(i, end, grain));
         }
         return;
     }
     pool->piece = piece;
     pool->context = context;
-    pool->count = count;
+    pool->begin = begin;
+    pool->end = end;
     pool->grain = grain;
-    pool->pieces = pe_piece_count(count, grain);
+    pool->pieces = pe_piece_count(end - begin, grain);
     open_loop(pool);
     take_pieces(pool, 0);
     close_loop(pool);

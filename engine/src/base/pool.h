@@ -30,9 +30,26 @@ static inline int pe_piece_count(int count, int grain)
     return (count + grain - 1) / grain;
 }
 
-/* Calls piece for all of 0 .. count - 1 in pieces of `grain` items, in any order and by any of the
+/* Calls piece for all of begin .. end - 1 in pieces of `grain` items, in any order and by any of the
  * threads, and returns when all are done. The caller is worker 0. It is called by the thread that
  * steps the world, and not from within a piece. */
-void pe_pool_run(pe_pool *pool, int count, int grain, pe_piece *piece, void *context);
+void pe_pool_run_range(pe_pool *pool, int begin, int end, int grain, pe_piece *piece,
+                       void *context);
+
+/* The same for 0 .. count - 1. */
+static inline void pe_pool_run(pe_pool *pool, int count, int grain, pe_piece *piece, void *context)
+{
+    pe_pool_run_range(pool, 0, count, grain, piece, context);
+}
+
+/* Of loops that leave a sum for each piece: the most pieces, and the least items of one. */
+enum { PE_MOST_SUMS = 64, PE_LEAST_SUMMED = 512 };
+
+/* The items of a piece of such a loop. */
+static inline int pe_sum_grain(int count)
+{
+    const int least = pe_piece_count(count, PE_MOST_SUMS);
+    return least < PE_LEAST_SUMMED ? PE_LEAST_SUMMED : least;
+}
 
 #endif

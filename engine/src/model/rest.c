@@ -126,13 +126,14 @@ pe_status pe_rest_begin(pe_world *world, double dt, pe_error *error)
     rest->slot_count = world->slot_count;
     rest->woken_count = 0;
     rest->time += dt;
-    for (int k = 0; k < rest->island_count; ++k) {
+    for (int k = 0; k < rest->island_count && rest->changed; ++k) {
         pe_resting_island *island = &islands_of(rest)[k];
         island->is_new = false;
         if (island->wakes) {
             island->body_count = island->manifold_count = 0;
         }
     }
+    rest->changed = false;
     pe_contacts_trim(&world->previous, world->contacts.manifold_count, &world->allocator);
     if (rest->contacts.manifold_count > MOST_GARBAGE * rest->totals.manifolds) {
         compact(world);
@@ -266,6 +267,7 @@ pe_status pe_rest_add(pe_world *world, const pe_islands *islands, const pe_rest_
         take_bodies_back(rest, first);
         return status;
     }
+    rest->changed = true;
     move_contacts(world);
     for (int k = first; k < rest->island_count; ++k) {
         add_to_totals(world, &islands_of(rest)[k], &rest->totals);
@@ -279,14 +281,14 @@ void pe_rest_mark(pe_world *world, int slot)
 {
     const int *resting = pe_resting_of(world);
     if (pe_rests(resting, slot)) {
-        islands_of(world->rest)[resting[slot] - 1].wakes = true;
+        islands_of(world->rest)[resting[slot] - 1].wakes = world->rest->changed = true;
     }
 }
 
 void pe_rest_mark_all(pe_world *world)
 {
     for (int k = 0; k < world->rest->island_count; ++k) {
-        islands_of(world->rest)[k].wakes = true;
+        islands_of(world->rest)[k].wakes = world->rest->changed = true;
     }
 }
 

@@ -39,7 +39,8 @@ typedef struct pe_rest {
     int slot_count;
     pe_array woken_array; /* (woken_count) slots that were woken since the step began */
     int woken_count;
-    double time; /* s, of all steps */
+    bool changed; /* islands were added or marked since pe_rest_begin */
+    double time;  /* s, of all steps */
     double
         sleep_drift; /* m, of the bodies that were woken since the step began: see pe_step_stats */
     pe_rest_totals totals; /* of islands that do not wake */

@@ -165,12 +165,10 @@ double pe_point_residual(double friction, double scale, const double p[3], const
 }
 
 /* Sums of residuals by pieces of the manifolds: at most so many, of at least so many manifolds. */
-enum { MOST_PIECES = 64, LEAST_PIECE = 512 };
-
 typedef struct residual_sums {
     const pe_problem *problem;
     int grain;
-    pe_residual of[MOST_PIECES]; /* with the sum of squares in the place of rms */
+    pe_residual of[PE_MOST_SUMS]; /* with the sum of squares in the place of rms */
 } residual_sums;
 
 static void sum_residuals(void *context, int worker, int begin, int end)
@@ -196,8 +194,8 @@ static void sum_residuals(void *context, int worker, int begin, int end)
 
 pe_residual pe_problem_residual(const pe_problem *problem)
 {
-    const int count = problem->manifold_count, least = pe_piece_count(count, MOST_PIECES);
-    residual_sums sums = {.problem = problem, .grain = least < LEAST_PIECE ? LEAST_PIECE : least};
+    const int count = problem->manifold_count;
+    residual_sums sums = {.problem = problem, .grain = pe_sum_grain(count)};
     pe_pool_run(problem->pool, count, sums.grain, sum_residuals, &sums);
     pe_residual residual = {0};
     for (int i = 0; i < pe_piece_count(count, sums.grain); ++i) {

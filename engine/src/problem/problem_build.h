@@ -9,18 +9,16 @@
 /* One island over an interval of time, which is the whole step or a sub-step. */
 typedef struct pe_interval {
     const pe_islands *islands;
-    int k; /* the island */
-    const pe_free_motion
-        *free;    /* (slots): the motion without contacts; NULL: bodies are at rest, and
-                                   impulses are 0 */
-    double dt;    /* s */
-    bool instant; /* an impact: nothing moves */
-    bool stops;   /* gaps of touching contacts stay as they are */
-    bool solved;  /* the impulses are not of the last step, but fit */
-    pe_path path; /* set to the path on which the island was solved */
-    bool substep; /* its contacts are listed apart */
-    double begin; /* s since the start of the step */
-    int order;    /* of the solves within the step */
+    int k;                      /* the island */
+    const pe_free_motion *free; /* (slots): without contacts; NULL: at rest, and impulses are 0 */
+    double dt;                  /* s */
+    bool instant;               /* an impact: nothing moves */
+    bool stops;                 /* gaps of touching contacts stay as they are */
+    bool solved;                /* the impulses are not of the last step, but fit */
+    pe_path path;               /* set to the path on which the island was solved */
+    bool substep;               /* its contacts are listed apart */
+    double begin;               /* s since the start of the step */
+    int order;                  /* of the solves within the step */
 } pe_interval;
 
 /* The problem of an island, and its places in the world. */

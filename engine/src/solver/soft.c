@@ -205,42 +205,34 @@ static pe_status take_blocks(pe_world *world, const pe_kernels *kernels, pe_soft
 typedef struct pieces {
     const pe_soft_task *task;
     pe_soft_work *work;
-    int begin; /* block of the first piece */
 } pieces;
 
 static void run_piece(void *context, int worker, int begin, int end)
 {
     (void)worker;
     const pieces *p = context;
-    p->work(p->task, p->begin + begin, p->begin + end);
+    p->work(p->task, begin, end);
 }
 
 /* Runs work on all blocks in any order. */
 static void run_blocks(const pe_soft_task *task, pe_soft_work *work)
 {
-    pieces p = {task, work, 0};
+    pieces p = {task, work};
     pe_pool_run(task->pool, task->block_count, PE_SOFT_GRAIN, run_piece, &p);
 }
 
 /* Runs work on all bodies in any order. */
 static void run_bodies(const pe_soft_task *task, pe_soft_work *work)
 {
-    pieces p = {task, work, 0};
+    pieces p = {task, work};
     pe_pool_run(task->pool, task->bodies->count, BODY_GRAIN, run_piece, &p);
 }
 
 /* Runs work on all blocks, colour by colour. */
 static void run_colours(const pe_soft_task *task, pe_soft_work *work)
 {
-    for (int i = 0; i < task->stages.count; ++i) {
-        const pe_stage *stage = &task->stages.of[i];
-        if (task->pool == NULL || !stage->shared) {
-            work(task, stage->begin, stage->end);
-        } else {
-            pieces p = {task, work, stage->begin};
-            pe_pool_run(task->pool, stage->end - stage->begin, PE_SOFT_GRAIN, run_piece, &p);
-        }
-    }
+    pieces p = {task, work};
+    pe_stages_run(&task->stages, task->pool, PE_SOFT_GRAIN, run_piece, &p);
 }
 
 static void run(const pe_soft_kernel *kernel, pe_soft_task *task)

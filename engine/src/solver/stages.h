@@ -2,7 +2,7 @@
 #ifndef PE_STAGES_H
 #define PE_STAGES_H
 
-#include <stdbool.h>
+#include "base/pool.h"
 
 /* Blocks begin .. end - 1. Threads share them if they are of one colour and many. */
 typedef struct pe_stage {
@@ -27,6 +27,18 @@ static inline void pe_stages_add(pe_stages *stages, int begin, int end, bool sha
         last->end = end;
     } else if (begin < end) {
         stages->of[stages->count++] = (pe_stage){begin, end, shared};
+    }
+}
+
+/* Works on all blocks, stage by stage; the threads of the pool share a stage in pieces of `grain`. */
+static inline void pe_stages_run(const pe_stages *stages, pe_pool *pool, int grain, pe_piece *piece,
+                                 void *context)
+{
+    for (int i = 0; i < stages->count; ++i) {
+        const pe_stage *s = &stages->of[i];
+        const bool whole = pool == NULL || !s->shared;
+        pe_pool_run_range(pool, s->begin, s->end, whole ? s->end - s->begin : grain, piece,
+                          context);
     }
 }
 

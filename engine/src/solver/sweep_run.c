@@ -33,34 +33,25 @@ void pe_sweep_set_beta(pe_sweep *sweep, const pe_sweep_part *part, double beta)
 
 /* ---- Sweeps ---- */
 
-/* A piece of a stage. */
-typedef struct stage_pieces {
+/* Work on blocks or bodies. */
+typedef struct pieces {
     pe_sweep *sweep;
     void (*work)(pe_sweep *sweep, int begin, int end);
-    int begin; /* block of the first piece */
-} stage_pieces;
+} pieces;
 
 static void run_piece(void *context, int worker, int begin, int end)
 {
     (void)worker;
-    const stage_pieces *p = context;
-    p->work(p->sweep, p->begin + begin, p->begin + end);
+    const pieces *p = context;
+    p->work(p->sweep, begin, end);
 }
 
 static void sweep_by(pe_sweep *sweep, void (*work)(pe_sweep *sweep, int begin, int end))
 {
     pe_pool *pool = sweep->problem->pool;
-    stage_pieces bodies = {sweep, sweep->kernel->extrapolate, 0};
+    pieces bodies = {sweep, sweep->kernel->extrapolate}, blocks = {sweep, work};
     pe_pool_run(pool, sweep->problem->body_count + 1, BODY_GRAIN, run_piece, &bodies);
-    for (int i = 0; i < sweep->stages.count; ++i) {
-        const pe_stage *stage = &sweep->stages.of[i];
-        if (pool == NULL || !stage->shared) {
-            work(sweep, stage->begin, stage->end);
-        } else {
-            stage_pieces blocks = {sweep, work, stage->begin};
-            pe_pool_run(pool, stage->end - stage->begin, SWEEP_GRAIN, run_piece, &blocks);
-        }
-    }
+    pe_stages_run(&sweep->stages, pool, SWEEP_GRAIN, run_piece, &blocks);
 }
 
 void pe_sweep_cones(pe_sweep *sweep)
@@ -137,10 +128,9 @@ pe_violation pe_sweep_violation(const pe_sweep *sweep)
 static void store_manifolds(void *context, int worker, int begin, int end)
 {
     (void)worker;
-    const stage_pieces *p = context;
-    const pe_sweep *sweep = p->sweep;
+    const pe_sweep *sweep = context;
     const pe_problem *problem = sweep->problem;
-    for (int i = p->begin + begin; i < p->begin + end; ++i) {
+    for (int i = begin; i < end; ++i) {
         const pe_solver_manifold *manifold = &problem->manifold[i];
         if (sweep->place[i] < 0) {
             continue;
@@ -158,7 +148,6 @@ static void store_manifolds(void *context, int worker, int begin, int end)
 
 void pe_sweep_store(const pe_sweep *sweep, const pe_sweep_part *part)
 {
-    stage_pieces manifolds = {(pe_sweep *)sweep, NULL, part->manifold};
-    pe_pool_run(sweep->problem->pool, part->manifold_count, MANIFOLD_GRAIN, store_manifolds,
-                &manifolds);
+    pe_pool_run_range(sweep->problem->pool, part->manifold, part->manifold + part->manifold_count,
+                      MANIFOLD_GRAIN, store_manifolds, (void *)sweep);
 }

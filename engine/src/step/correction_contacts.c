@@ -56,12 +56,10 @@ double pe_correction_deepest(const pe_correction *c)
 
 /* Violations of phi >= -aim, by pieces of the manifolds: at most so many, of at least so many
  * manifolds. */
-enum { MOST_PIECES = 64, LEAST_PIECE = 512 };
-
 typedef struct violations {
     const pe_correction *c;
     int grain;
-    pe_violation of[MOST_PIECES];
+    pe_violation of[PE_MOST_SUMS];
 } violations;
 
 static void find_violations(void *context, int worker, int begin, int end)
@@ -87,8 +85,8 @@ static void find_violations(void *context, int worker, int begin, int end)
 
 pe_violation pe_correction_violation(const pe_correction *c)
 {
-    const int count = c->world->contacts.manifold_count, least = pe_piece_count(count, MOST_PIECES);
-    violations s = {.c = c, .grain = least < LEAST_PIECE ? LEAST_PIECE : least};
+    const int count = c->world->contacts.manifold_count;
+    violations s = {.c = c, .grain = pe_sum_grain(count)};
     pe_pool_run(c->world->pool, count, s.grain, find_violations, &s);
     pe_violation all = {0};
     for (int i = 0; i < pe_piece_count(count, s.grain); ++i) {

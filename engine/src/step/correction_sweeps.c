@@ -65,13 +65,11 @@ pe_status pe_correction_build(const pe_correction *c, const pe_islands *islands,
 
 /* Sums of squared violations, by pieces of the manifolds: at most so many, of at least so many
  * manifolds. */
-enum { MOST_PIECES = 64, LEAST_PIECE = 512 };
-
 typedef struct comparison {
     const pe_problem *problem;
     const bool *chosen;
     int grain;
-    double after[MOST_PIECES], before[MOST_PIECES];
+    double after[PE_MOST_SUMS], before[PE_MOST_SUMS];
 } comparison;
 
 static void compare_manifolds(void *context, int worker, int begin, int end)
@@ -100,8 +98,8 @@ static void compare_manifolds(void *context, int worker, int begin, int end)
 
 bool pe_correction_is_better(const pe_problem *problem, const bool *chosen)
 {
-    const int count = problem->manifold_count, least = pe_piece_count(count, MOST_PIECES);
-    comparison s = {problem, chosen, least < LEAST_PIECE ? LEAST_PIECE : least, {0}, {0}};
+    const int count = problem->manifold_count;
+    comparison s = {problem, chosen, pe_sum_grain(count), {0}, {0}};
     pe_pool_run(problem->pool, count, s.grain, compare_manifolds, &s);
     double after = 0, before = 0;
     for (int i = 0; i < pe_piece_count(count, s.grain); ++i) {

@@ -222,16 +222,16 @@ pe_status pe_wake_touched(pe_step *step)
     return status;
 }
 
-pe_status pe_wake_changed(pe_step *step, bool all)
+pe_status pe_wake_changed(pe_step *step)
 {
     pe_world *world = step->world;
     world->rest->sleep_drift = 0;
     pe_status status = pe_rest_begin(world, step->dt, step->error);
     const int *resting = pe_resting_of(world);
-    if (status != PE_OK || resting == NULL) {
+    if (status != PE_OK || resting == NULL || !(step->stale || world->has_applied_forces)) {
         return status;
     }
-    if (all) {
+    if (step->stale) {
         pe_rest_mark_all(world);
     }
     for (int slot = 1; slot < world->slot_count && world->has_applied_forces; ++slot) {

@@ -33,6 +33,7 @@ typedef struct pe_step {
     bool *moves;           /* bodies whose island was not left as it is (pe_island_hold) */
     bool *solved_directly; /* bodies whose island was not swept */
 
+    bool stale;   /* contacts are to be found before the step: bodies, materials or dt changed */
     bool repeats; /* same forces, dt and bodies as in the step before */
 
     bool *corrected;                  /* bodies that position correction moved */
@@ -131,8 +132,8 @@ pe_status pe_list_apart(pe_step *step, const pe_interval *interval, double end,
 /* Puts held islands at rest (rest.h) which the rest of the step has left as they were. */
 pe_status pe_rest_islands(pe_step *step);
 
-/* Wakes, at the start of a step, the islands with an applied force, or all. */
-pe_status pe_wake_changed(pe_step *step, bool all);
+/* Wakes, at the start of a step, the islands with an applied force, and all if contacts are stale. */
+pe_status pe_wake_changed(pe_step *step);
 
 /* Wakes islands at rest that have a contact in world->contacts, and has them take part in the step.
  * Called whenever contacts were found. */

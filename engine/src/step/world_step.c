@@ -249,9 +249,9 @@ static void clear_applied_forces(const pe_step *step)
 static pe_status run_phases(pe_step *step)
 {
     pe_world *world = step->world;
-    bool stale = world->contacts_stale || step->dt != world->previous_dt;
-    step->repeats = !stale && !world->has_applied_forces && world->def.profile != PE_PROFILE_FAST;
-    pe_status status = stale ? find_contacts(step) : PE_OK;
+    step->repeats =
+        !step->stale && !world->has_applied_forces && world->def.profile != PE_PROFILE_FAST;
+    pe_status status = step->stale ? find_contacts(step) : PE_OK;
     if (status != PE_OK || (status = find_islands(step)) != PE_OK ||
         (status = solve_and_move(step)) != PE_OK || (status = find_next_contacts(step)) != PE_OK) {
         return status;
@@ -284,15 +284,15 @@ pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_err
     }
     pe_arena_reset(&world->arena, &world->allocator);
     world->apart_count = 0;
-    const bool stale = world->contacts_stale || dt != world->previous_dt;
     pe_step step = {
         .world = world,
         .dt = dt,
+        .stale = world->contacts_stale || dt != world->previous_dt,
         .rules = rules_of(world->def.profile),
         .shallow = SHALLOW * world->def.penetration_slop,
         .error = error,
     };
-    status = pe_wake_changed(&step, stale);
+    status = pe_wake_changed(&step);
     if (status == PE_OK) {
         status = begin_step(&step);
     }
