@@ -245,19 +245,10 @@ static void test_large_islands_allocate_nothing_after_warm_up(void **state)
         pe_world_def def = pe_world_def_default();
         def.profile = profiles[k];
         def.threads = 3;
-        def.tasks = tasks_at_once();
+        def.tasks = tasks_at_once(NULL);
         def.allocator = (pe_allocator){count_allocate, count_release, &c};
         pe_world *world = make_moving_wall(&def, ids);
-        for (int i = 0; i < 40; ++i) {
-            step(world, H);
-        }
-        const int made = c.calls;
-        for (int i = 0; i < 5; ++i) {
-            step(world, H);
-        }
-        assert_int_equal(c.calls, made);
-        pe_world_destroy(world);
-        assert_int_equal(c.living, 0);
+        check_allocates_nothing(world, &c, 40, 5);
     }
 }
 

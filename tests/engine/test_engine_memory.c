@@ -22,16 +22,7 @@ static void test_a_resting_scene_allocates_nothing_after_warm_up(void **state)
     pe_world *world = make_world(&def);
     pe_body_id ids[8];
     add_tower(world, 8, (pe_material_id){0}, ids);
-    for (int i = 0; i < 10; ++i) {
-        step(world, H);
-    }
-    int made = c.calls;
-    for (int i = 0; i < 200; ++i) {
-        step(world, H);
-    }
-    assert_int_equal(c.calls, made);
-    pe_world_destroy(world);
-    assert_int_equal(c.living, 0);
+    check_allocates_nothing(world, &c, 10, 200);
 }
 
 /* Builds a small scene and makes some steps; returns the first failure. */

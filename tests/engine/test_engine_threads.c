@@ -3,7 +3,6 @@
 #include "base/pool.h"
 #include "base/vec3.h"
 #include "check.h"
-#include "counting_allocator.h"
 #include "world_for_tests.h"
 
 static const double H = 1.0 / 60;
@@ -20,13 +19,6 @@ typedef struct queue {
     } tasks[MOST_TASKS];
     int count, runs, waits;
 } queue;
-
-static void *run_at_once(void (*work)(void *argument), void *argument, void *context)
-{
-    ((queue *)context)->runs += 1;
-    work(argument);
-    return NULL;
-}
 
 static void *run_later(void (*work)(void *argument), void *argument, void *context)
 {
@@ -51,13 +43,25 @@ static void wait_for(void *task, void *context)
         q->waits % 2 == 0 ? 2 : 0; /* both tasks of a loop of three threads are waited for */
 }
 
-static pe_world_def def_with(void *(*run)(void (*)(void *), void *, void *), queue *q)
+/* Three threads; all zero: of the world's own. */
+static pe_world_def def_with(pe_task_system tasks)
 {
     pe_world_def def = pe_world_def_default();
     def.threads = 3;
-    if (run != NULL) {
-        def.tasks = (pe_task_system){run, wait_for, q};
-    }
+    def.tasks = tasks;
+    return def;
+}
+
+static pe_task_system tasks_later(queue *q)
+{
+    return (pe_task_system){run_later, wait_for, q};
+}
+
+/* The same thread always does the same work, and allocations are counted. */
+static pe_world_def counted_def(counter *c)
+{
+    pe_world_def def = def_with(tasks_at_once(NULL));
+    def.allocator = (pe_allocator){count_allocate, count_release, c};
     return def;
 }
 
@@ -103,17 +107,17 @@ static void test_loops_do_every_item_once(void **state)
 {
     (void)state;
     queue q = {.count = 0};
+    int runs = 0;
     for (int threads = 1; threads <= 8; ++threads) {
-        pe_world_def def = def_with(NULL, NULL);
+        pe_world_def def = def_with((pe_task_system){0});
         def.threads = threads;
         check_loops(&def);
     }
-    pe_world_def at_once = def_with(run_at_once, &q), later = def_with(run_later, &q);
+    pe_world_def at_once = def_with(tasks_at_once(&runs)), later = def_with(tasks_later(&q));
     check_loops(&at_once);
-    assert_int_equal(q.runs, 2 * LOOPS);
-    assert_int_equal(q.waits, 0);
+    assert_int_equal(runs, 2 * LOOPS);
     check_loops(&later);
-    assert_int_equal(q.runs, 4 * LOOPS);
+    assert_int_equal(q.runs, 2 * LOOPS);
     assert_int_equal(q.waits, 2 * LOOPS);
 }
 
@@ -154,14 +158,15 @@ static void test_task_systems_give_the_same_bits(void **state)
     (void)state;
     queue q = {.count = 0};
     pe_world_def one = pe_world_def_default();
-    const pe_world_def others[] = {def_with(NULL, NULL), def_with(run_at_once, &q),
-                                   def_with(run_later, &q)};
+    int runs = 0;
+    const pe_world_def others[] = {def_with((pe_task_system){0}), def_with(tasks_at_once(&runs)),
+                                   def_with(tasks_later(&q))};
     const pe_body_state expected = end_of_field(&one);
     for (int i = 0; i < 3; ++i) {
         pe_body_state found = end_of_field(&others[i]);
         assert_memory_equal(&found, &expected, sizeof found);
     }
-    assert_true(q.runs > 2 * STEPS);
+    assert_true(runs > 2 * STEPS && q.runs == runs);
     assert_int_equal(q.count, 0);
 }
 
@@ -178,7 +183,7 @@ static void test_bad_threads_are_refused(void **state)
     def.threads = PE_MOST_THREADS + 1;
     assert_int_equal(pe_world_create(&def, &world, &error), PE_BAD_ARGUMENT);
     assert_contains(error.message, "found 257");
-    def = def_with(run_later, &q);
+    def = def_with(tasks_later(&q));
     def.tasks.wait = NULL;
     assert_int_equal(pe_world_create(&def, &world, &error), PE_BAD_ARGUMENT);
     assert_contains(error.message, "tasks");
@@ -188,10 +193,8 @@ static void test_bad_threads_are_refused(void **state)
 static void test_threads_report_every_failed_allocation(void **state)
 {
     (void)state;
-    queue q = {.count = 0};
     counter c = {.fail_at = -1};
-    pe_world_def def = def_with(run_at_once, &q);
-    def.allocator = (pe_allocator){count_allocate, count_release, &c};
+    pe_world_def def = counted_def(&c);
     pe_body_id last;
     pe_world_destroy(make_field(&def, &last));
     const int created = c.calls;
@@ -224,22 +227,11 @@ static void test_threads_report_every_failed_allocation(void **state)
 static void test_threads_allocate_nothing_after_warm_up(void **state)
 {
     (void)state;
-    queue q = {.count = 0};
     counter c = {.fail_at = -1};
-    pe_world_def def = def_with(run_at_once, &q);
-    def.allocator = (pe_allocator){count_allocate, count_release, &c};
+    pe_world_def def = counted_def(&c);
     pe_body_id last;
     pe_world *world = make_field(&def, &last);
-    for (int i = 0; i < 200; ++i) {
-        step(world, H);
-    }
-    const int made = c.calls;
-    for (int i = 0; i < 50; ++i) {
-        step(world, H);
-    }
-    assert_int_equal(c.calls, made);
-    pe_world_destroy(world);
-    assert_int_equal(c.living, 0);
+    check_allocates_nothing(world, &c, 200, 50);
 }
 
 int main(void)

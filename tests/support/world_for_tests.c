@@ -87,7 +87,10 @@ void wake_all(pe_world *world)
 
 static void *run_at_once(void (*work)(void *argument), void *argument, void *context)
 {
-    (void)context;
+    int *runs = context;
+    if (runs != NULL) {
+        *runs += 1;
+    }
     work(argument);
     return NULL;
 }
@@ -96,9 +99,24 @@ static void wait_for_nothing(void *task, void *context)
 {
     (void)task;
     (void)context;
+    fail_msg("a task that has run is waited for");
 }
 
-pe_task_system tasks_at_once(void)
+pe_task_system tasks_at_once(int *runs)
 {
-    return (pe_task_system){.run = run_at_once, .wait = wait_for_nothing};
+    return (pe_task_system){.run = run_at_once, .wait = wait_for_nothing, .context = runs};
+}
+
+void check_allocates_nothing(pe_world *world, const counter *c, int warm_up, int steps)
+{
+    for (int i = 0; i < warm_up; ++i) {
+        step(world, 1.0 / 60);
+    }
+    const int made = c->calls;
+    for (int i = 0; i < steps; ++i) {
+        step(world, 1.0 / 60);
+    }
+    assert_int_equal(c->calls, made);
+    pe_world_destroy(world);
+    assert_int_equal(c->living, 0);
 }

@@ -2,6 +2,7 @@
 #ifndef PLUMB_TEST_WORLD_H
 #define PLUMB_TEST_WORLD_H
 
+#include "counting_allocator.h"
 #include "plumb/engine.h"
 
 pe_world *make_world(const pe_world_def *def); /* NULL: the default */
@@ -13,8 +14,12 @@ pe_body_state state_of(const pe_world *world, pe_body_id body);
 pe_step_stats step(pe_world *world, double dt);
 
 /* A task system that runs each task within the call that submits it: the same thread always does the same
- * work. */
-pe_task_system tasks_at_once(void);
+ * work. Counts the tasks in *runs, which may be NULL. */
+pe_task_system tasks_at_once(int *runs);
+
+/* Makes some steps, and checks that `steps` more allocate nothing. Destroys the world, whose
+ * allocator counts in *c, and checks that all memory is given back. */
+void check_allocates_nothing(pe_world *world, const counter *c, int warm_up, int steps);
 
 /* Has the contacts of islands at rest in world->contacts, as those of the others. */
 void wake_all(pe_world *world);
