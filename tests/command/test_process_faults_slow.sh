@@ -54,7 +54,7 @@ row busy-start crashed 'reports 0.0[0-9]+ s of CPU time for [0-9] steps, and the
 row negative-time crashed 'cpu: expected at least 0 s, found -1'
 row no-time crashed 'cpu'
 row memory crashed 'instead of answering step 3; last line: MemoryError' --memory 1
-row numbers-memory crashed 'answer to step 3: descriptor 3 holds 300 MiB, more than the --memory of 256 MiB' --memory 0.25
+row numbers-memory crashed 'answer to step 3: descriptor 3 holds 300 MiB, more than --memory allows' --memory 0.25
 row long-answer crashed 'out of memory for the answer to step 3' --memory 0.25
 row grandchild crashed 'instead of answering step 3'
 row deaf ok ''
