@@ -29,13 +29,6 @@ static pe_status correct_by(pe_step *step, const pe_correction_rules *rules)
     if (status != PE_OK) {
         return status;
     }
-    for (int slot = 0; slot < step->world->slot_count && report.moved != NULL; ++slot) {
-        step->corrected[slot] |= report.moved[slot];
-    }
-    if (step->uncorrected_poses == NULL) {
-        step->uncorrected_poses = report.poses;
-        step->uncorrected_twists = report.twists;
-    }
     pe_step_stats *stats = &step->stats;
     stats->projection_rounds += report.rounds;
     stats->projection_iterations = report.iterations > stats->projection_iterations

@@ -18,9 +18,11 @@ typedef struct pe_correction {
     pe_step *step;
     pe_world *world;
     const pe_correction_rules *rules;
-    pe_islands islands;
+    const pe_islands *islands;       /* of this round */
     pe_correction_contact *contacts; /* (manifolds of the world): of this round */
     bool *moved;                     /* (slots): in this round */
+    pe_pose *poses;                  /* (slots): of those before it */
+    pe_twist *twists;                /* (slots) */
     bool *active;                    /* (slots): bodies all of whose contacts are swept */
     pe_islands near;                 /* one island: the contacts that may be swept */
     int iterations;

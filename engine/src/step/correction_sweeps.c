@@ -120,8 +120,8 @@ static void activate(const pe_correction *c, int slot)
 static void activate_violated(const pe_correction *c, int k)
 {
     double depth = c->rules->aim + 0.5 * c->rules->enough;
-    for (int i = c->islands.start[k]; i < c->islands.start[k + 1]; ++i) {
-        const int index = c->islands.manifolds[i];
+    for (int i = c->islands->start[k]; i < c->islands->start[k + 1]; ++i) {
+        const int index = c->islands->manifolds[i];
         if (pe_max(0, -c->contacts[index].separation) > depth) {
             const pe_manifold *m = &pe_manifolds(&c->world->contacts)[index];
             activate(c, m->a);
@@ -162,13 +162,13 @@ static void add_near_body(pe_correction *c, int slot)
 static void list_near(pe_correction *c, int k)
 {
     pe_islands *near = &c->near;
-    const double far = FAR * pe_correction_depth(c, &c->islands, k, false);
+    const double far = FAR * pe_correction_depth(c, c->islands, k, false);
     for (int i = 0; i < near->body_start[1]; ++i) {
         near->place[near->bodies[i]] = -1;
     }
     near->start[1] = near->body_start[1] = 0;
-    for (int i = c->islands.start[k]; i < c->islands.start[k + 1]; ++i) {
-        const int index = c->islands.manifolds[i];
+    for (int i = c->islands->start[k]; i < c->islands->start[k + 1]; ++i) {
+        const int index = c->islands->manifolds[i];
         if (c->contacts[index].separation < far) {
             const pe_manifold *m = &pe_manifolds(&c->world->contacts)[index];
             near->manifolds[near->start[1]++] = index;

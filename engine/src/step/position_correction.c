@@ -50,7 +50,7 @@ enum { BODY_GRAIN = 256 };
 
 static pe_status solve_whole(pe_correction *c, int k, pe_island_problem *built)
 {
-    pe_status status = pe_correction_build(c, &c->islands, k, built);
+    pe_status status = pe_correction_build(c, c->islands, k, built);
     if (status == PE_OK) {
         pe_solve_report report = {.factor_flops = c->flops, .most_flops = MOST_FLOPS};
         pe_solve_limits limits = c->rules->solver_limits;
@@ -108,6 +108,20 @@ typedef struct displacing {
     double part;
 } displacing;
 
+/* Saves the body before it moves, in this round and in the step. */
+static void keep_as_it_was(const pe_correction *c, int slot)
+{
+    pe_step *step = c->step;
+    c->poses[slot] = pe_poses(c->world)[slot];
+    c->twists[slot] = pe_twists(c->world)[slot];
+    c->moved[slot] = true;
+    if (!step->corrected[slot]) {
+        step->uncorrected_poses[slot] = c->poses[slot];
+        step->uncorrected_twists[slot] = c->twists[slot];
+        step->corrected[slot] = true;
+    }
+}
+
 static void displace_bodies(void *context, int worker, int begin, int end)
 {
     (void)worker;
@@ -122,6 +136,7 @@ static void displace_bodies(void *context, int worker, int begin, int end)
         pe_vec3 rotation = pe_scale(part, pe_v3_load(d + 3));
         c->step->way[slot] += part * way_of(c, moving->built, i);
         if (pe_dot(linear, linear) > 0 || pe_dot(rotation, rotation) > 0) {
+            keep_as_it_was(c, slot);
             const pe_mass *mass = &pe_masses(c->world)[slot];
             pe_vec3 inertia = mass->inertia;
             pe_vec3 inverse = pe_v3(1 / inertia.x, 1 / inertia.y, 1 / inertia.z);
@@ -131,7 +146,6 @@ static void displace_bodies(void *context, int worker, int begin, int end)
             if (!mass->spherical) {
                 *spin = rotated_times(&pose->rotation, inverse, momentum);
             }
-            c->moved[slot] = true;
         }
     }
 }
@@ -170,11 +184,25 @@ static pe_status correct_island(pe_correction *c, int k)
 static bool has_moved_enough(const pe_correction *c, int k)
 {
     bool enough = false;
-    for (int i = c->islands.body_start[k]; i < c->islands.body_start[k + 1] && !enough; ++i) {
-        int slot = c->islands.bodies[i];
-        enough = !(way_left(c, slot) > NO_WAY * pe_bodies(c->world)[slot].size);
+    for (int i = c->islands->body_start[k]; i < c->islands->body_start[k + 1] && !enough; ++i) {
+        int slot = c->islands->bodies[i];
+        /* One that has not been moved has its whole way left. */
+        enough = c->step->way[slot] > 0 && !(way_left(c, slot) > NO_WAY * pe_bodies(c->world)[slot].size);
     }
     return enough;
+}
+
+/* Finds the islands of the contacts as they are, unless an earlier round or correction has. */
+static pe_status find_islands(pe_correction *c)
+{
+    pe_step *step = c->step;
+    pe_status status = PE_OK;
+    if (!step->has_end_islands) {
+        status = pe_islands_find(c->world, &step->end_islands, c->error);
+        step->has_end_islands = status == PE_OK;
+    }
+    c->islands = &step->end_islands;
+    return status;
 }
 
 /* Moves the bodies of contacts that are too deep, once. */
@@ -182,14 +210,15 @@ static pe_status correct_once(pe_correction *c)
 {
     const bool *among = c->rules->among;
     memset(c->moved, 0, (size_t)c->world->slot_count * sizeof *c->moved);
-    pe_status status = pe_islands_find(c->world, &c->islands, c->error);
+    pe_status status = find_islands(c);
     if (status == PE_OK) {
         status = pe_correction_begin_sweeps(c);
     }
-    for (int k = 0; status == PE_OK && k < c->islands.count; ++k) {
-        int first = c->islands.bodies[c->islands.body_start[k]];
-        if ((among == NULL || among[first]) && !has_moved_enough(c, k) &&
-            pe_correction_depth(c, &c->islands, k, true) > c->rules->begin) {
+    for (int k = 0; status == PE_OK && k < c->islands->count; ++k) {
+        int first = c->islands->bodies[c->islands->body_start[k]];
+        if ((among == NULL || among[first]) &&
+            pe_correction_depth(c, c->islands, k, true) > c->rules->begin &&
+            !has_moved_enough(c, k)) {
             pe_arena_mark before = pe_arena_fill(&c->world->arena);
             status = correct_island(c, k);
             pe_arena_rewind(&c->world->arena, &c->world->allocator, before);
@@ -204,55 +233,40 @@ static pe_status find_moved_contacts(pe_correction *c)
     return status == PE_OK ? pe_correction_look(c) : status;
 }
 
-/* The state of all bodies at some time. */
-typedef struct snapshot {
-    pe_violation violation;
-    pe_pose *poses;   /* (slots) */
-    pe_twist *twists; /* (slots) */
-} snapshot;
-
-static snapshot take_snapshot_memory(pe_world *world)
-{
-    size_t slots = (size_t)world->slot_count;
-    return (snapshot){.poses = pe_scratch(world, slots, sizeof(pe_pose)),
-                      .twists = pe_scratch(world, slots, sizeof(pe_twist))};
-}
-
-static void save(const pe_world *world, pe_violation violation, snapshot *s)
-{
-    size_t slots = (size_t)world->slot_count;
-    s->violation = violation;
-    memcpy(s->poses, pe_poses(world), slots * sizeof *s->poses);
-    memcpy(s->twists, pe_twists(world), slots * sizeof *s->twists);
-}
-
 /* Puts the bodies that moved in this round back. */
-static void restore(const pe_correction *c, const snapshot *s)
+static void restore(const pe_correction *c)
 {
     for (int slot = 0; slot < c->world->slot_count; ++slot) {
         if (c->moved[slot]) {
-            pe_poses(c->world)[slot] = s->poses[slot];
-            pe_twists(c->world)[slot] = s->twists[slot];
+            pe_poses(c->world)[slot] = c->poses[slot];
+            pe_twists(c->world)[slot] = c->twists[slot];
         }
     }
 }
 
-/* Whether any body moved in this round. */
-static bool any_moved(const pe_correction *c, bool *ever)
+/* Takes the memory of a correction, and that which all of a step share. */
+static pe_status take_memory(pe_correction *c)
 {
-    bool any = false;
-    for (int slot = 0; slot < c->world->slot_count; ++slot) {
-        any = any || c->moved[slot];
-        ever[slot] = ever[slot] || c->moved[slot];
+    pe_step *step = c->step;
+    pe_world *world = c->world;
+    const size_t slots = (size_t)world->slot_count;
+    c->moved = pe_scratch(world, slots, sizeof *c->moved);
+    c->poses = pe_scratch(world, slots, sizeof *c->poses);
+    c->twists = pe_scratch(world, slots, sizeof *c->twists);
+    if (step->way == NULL) {
+        step->way = pe_scratch_zero(world, slots, sizeof *step->way);
+        step->uncorrected_poses = pe_scratch(world, slots, sizeof *step->uncorrected_poses);
+        step->uncorrected_twists = pe_scratch(world, slots, sizeof *step->uncorrected_twists);
     }
-    return any;
+    return pe_scratch_failed(world)
+               ? pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %zu positions", slots)
+               : PE_OK;
 }
 
 pe_status pe_correct_positions(pe_step *step, const pe_correction_rules *rules,
                                pe_correction_report *report)
 {
     pe_world *world = step->world;
-    size_t slots = (size_t)world->slot_count;
     pe_correction c = {.step = step, .world = world, .rules = rules, .error = step->error};
     pe_status status = pe_correction_look(&c);
     if (status != PE_OK) {
@@ -263,21 +277,15 @@ pe_status pe_correct_positions(pe_step *step, const pe_correction_rules *rules,
     if (!(deepest > rules->begin) || rules->max_rounds < 1) {
         return PE_OK;
     }
-    c.moved = pe_scratch(world, slots, sizeof *c.moved);
-    bool *ever = pe_scratch_zero(world, slots, sizeof *ever);
-    snapshot begun = take_snapshot_memory(world), later = take_snapshot_memory(world);
-    if (step->way == NULL) {
-        step->way = pe_scratch_zero(world, slots, sizeof *step->way);
+    status = take_memory(&c);
+    if (status != PE_OK) {
+        return status;
     }
-    if (pe_scratch_failed(world)) {
-        return pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %zu positions", slots);
-    }
-    save(world, pe_correction_violation(&c), &begun);
-    snapshot best = begun;
+    pe_violation best = pe_correction_violation(&c);
     bool better = true;
-    while (better && best.violation.deepest > rules->begin && report->rounds < rules->max_rounds) {
+    while (better && best.deepest > rules->begin && report->rounds < rules->max_rounds) {
         status = correct_once(&c);
-        if (status != PE_OK || !any_moved(&c, ever)) {
+        if (status != PE_OK || memchr(c.moved, true, (size_t)world->slot_count) == NULL) {
             break;
         }
         status = find_moved_contacts(&c);
@@ -286,19 +294,15 @@ pe_status pe_correct_positions(pe_step *step, const pe_correction_rules *rules,
         }
         report->rounds += 1;
         pe_violation now = pe_correction_violation(&c);
-        better = now.squares < best.violation.squares;
+        better = now.squares < best.squares;
         if (better) {
-            best = later;
-            save(world, now, &best);
+            best = now;
         } else {
-            restore(&c, &best);
+            restore(&c);
             status = find_moved_contacts(&c);
         }
     }
     report->iterations = c.iterations;
     report->penetration_left = pe_correction_deepest(&c);
-    report->moved = ever;
-    report->poses = begun.poses;
-    report->twists = begun.twists;
     return status;
 }

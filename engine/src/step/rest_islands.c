@@ -245,6 +245,7 @@ pe_status pe_wake_changed(pe_step *step)
 
 pe_status pe_update_contacts(pe_step *step, const bool *moved)
 {
+    step->has_end_islands = false;
     pe_status status = pe_contacts_update(step->world, &step->rules, moved, step->dt, step->error);
     return status == PE_OK ? pe_wake_touched(step) : status;
 }

@@ -37,8 +37,10 @@ typedef struct pe_step {
     bool repeats; /* same forces, dt and bodies as in the step before */
 
     bool *corrected;                  /* bodies that position correction moved */
-    const pe_pose *uncorrected_poses; /* before it did; read only of bodies in `corrected` */
-    const pe_twist *uncorrected_twists;
+    pe_pose *uncorrected_poses;       /* of these, before it did; NULL: not yet */
+    pe_twist *uncorrected_twists;
+    pe_islands end_islands;           /* of the contacts that were found last */
+    bool has_end_islands;
     const int
         *group_place; /* (slots): below 0 where the energy guard left the body alone; NULL before */
     double *way; /* (slots) m: how far correction has moved a point of the body; NULL: not yet */
@@ -193,15 +195,13 @@ typedef struct pe_correction_report {
     int iterations;          /* of sweeps or solver, largest over islands and rounds */
     double penetration;      /* m, deepest before */
     double penetration_left; /* m, deepest after */
-    const bool *moved;       /* (slots), in the step's arena: bodies that were moved; NULL: none */
-    const pe_pose *poses;    /* (slots), before any was moved; NULL where `moved` is */
-    const pe_twist *twists;
 } pe_correction_report;
 
 /* Removes penetration by moving bodies; momenta stay. Corrects each island that has a contact
  * deeper than rules->begin, finds the contacts of the moved bodies again, and repeats this while
  * there is such an island, at most rules->max_rounds times. The round with the least sum of squared
- * violations of phi >= -aim wins: if the last one is not it, bodies go back to there. No point of a
+ * violations of phi >= -aim wins: if the last one is not it, bodies go back to there. Flags the bodies
+ * that were moved in step->corrected. No point of a
  * body moves by more than a fifth of its least extent, and the way of its speed, in all corrections
  * of a step.
  *
