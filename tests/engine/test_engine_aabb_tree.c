@@ -45,7 +45,8 @@ static void change(forest *f, int item, check_random *random)
     } else {
         f->box[item] = random_box(random);
         f->changed[item] = true;
-        pe_tree_move(&f->tree, item, &f->box[item]);
+        pe_tree_set_box(&f->tree, item, &f->box[item]);
+        pe_tree_mark(&f->tree, item);
     }
 }
 
@@ -159,7 +160,8 @@ static void test_height_and_nodes_stay_bounded_under_single_moves(void **state)
             f.box[item].low[k] += shift;
             f.box[item].high[k] += shift;
         }
-        pe_tree_move(&f.tree, item, &f.box[item]);
+        pe_tree_set_box(&f.tree, item, &f.box[item]);
+        pe_tree_mark(&f.tree, item);
         assert_int_equal(
             pe_tree_update(&f.tree, (pe_workspace){&f.arena, &f.allocator, NULL}, NULL), PE_OK);
         pe_tree_unmark(&f.tree);

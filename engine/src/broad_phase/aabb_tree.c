@@ -1,38 +1,9 @@
-#include "aabb_tree.h"
-
-#include "base/vec3.h"
+#include "aabb_tree_nodes.h"
 
 #include <string.h>
 
-enum {
-    NONE = 0,
-    MAX_HEIGHT = 96, /* a tree that is higher is rebuilt as a whole */
-    /* A tree that was built at once is lower than log 2^31 to the base 4/3, 75. */
-    MAX_RANGES = 96,
-    /* Every step down leaves one pair of nodes on the stack, or two inside of one node. */
-    MAX_NODE_PAIRS = 4 * (MAX_HEIGHT + 1)
-};
-
-static pe_tree_node *nodes_of(const pe_tree *tree)
-{
-    return tree->node_array.items;
-}
-
-static int *leaves_of(const pe_tree *tree)
-{
-    return tree->leaf_array.items;
-}
-
-static bool is_leaf(const pe_tree_node *node)
-{
-    return node->child[0] == NONE;
-}
-
-/* Whether a pass over all nodes costs no more than to follow the marks. */
-static bool is_mostly_marked(const pe_tree *tree)
-{
-    return 8 * tree->marked_count > tree->leaf_count;
-}
+/* Every step down leaves one pair of nodes on the stack, or two inside of one node. */
+enum { MAX_NODE_PAIRS = 4 * (MAX_HEIGHT + 1) };
 
 void pe_tree_free(pe_tree *tree, const pe_allocator *allocator)
 {
@@ -42,22 +13,6 @@ void pe_tree_free(pe_tree *tree, const pe_allocator *allocator)
 }
 
 /* ---- Changes ---- */
-
-static int take_node(pe_tree *tree)
-{
-    int node = tree->first_free;
-    if (node == NONE) {
-        return ++tree->node_count;
-    }
-    tree->first_free = nodes_of(tree)[node].parent;
-    return node;
-}
-
-static void release_node(pe_tree *tree, int node)
-{
-    nodes_of(tree)[node] = (pe_tree_node){.parent = tree->first_free};
-    tree->first_free = node;
-}
 
 /* Everything above a marked node is marked. */
 static void mark(pe_tree *tree, int leaf)
@@ -105,11 +60,14 @@ pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, co
     return PE_OK;
 }
 
-void pe_tree_move(pe_tree *tree, int item, const pe_aabb *box)
+void pe_tree_set_box(pe_tree *tree, int item, const pe_aabb *box)
 {
-    int leaf = leaves_of(tree)[item];
-    nodes_of(tree)[leaf].box = *box;
-    mark(tree, leaf);
+    nodes_of(tree)[leaves_of(tree)[item]].box = *box;
+}
+
+void pe_tree_mark(pe_tree *tree, int item)
+{
+    mark(tree, leaves_of(tree)[item]);
 }
 
 void pe_tree_remove(pe_tree *tree, int item)
@@ -146,255 +104,15 @@ void pe_tree_invalidate(pe_tree *tree)
 void pe_tree_unmark(pe_tree *tree)
 {
     pe_tree_node *nodes = nodes_of(tree);
-    for (int i = tree->root, next; i != NONE; i = next) {
+    const bool all = is_mostly_marked(tree);
+    for (int i = 1; i <= tree->node_count && all; ++i) {
+        nodes[i].marked = false;
+    }
+    for (int i = tree->root, next; i != NONE && !all; i = next) {
         next = next_node(nodes, i, !nodes[i].marked);
         nodes[i].marked = false;
     }
     tree->marked_count = 0;
-}
-
-/* ---- Rebuilding ---- */
-
-/* A subtree that is to be put under new nodes. */
-typedef struct subtree {
-    double centre[3];
-    int node;
-} subtree;
-
-/* All subtrees. If the whole tree is rebuilt they are copies of its leaves, else `leaf` is NULL. */
-typedef struct forest {
-    subtree *item;
-    int count;
-    pe_tree_node *leaf;
-    int *stack; /* (count + 1) nodes */
-} forest;
-
-/* 0 for an interval without a midpoint, because it has no end. */
-static double midpoint_of(double low, double high)
-{
-    double middle = 0.5 * low + 0.5 * high;
-    return isfinite(middle) ? middle : 0;
-}
-
-static void add_subtree(forest *p, int node, const pe_aabb *box)
-{
-    subtree *added = &p->item[p->count++];
-    added->node = node;
-    for (int k = 0; k < 3; ++k) {
-        added->centre[k] = midpoint_of(box->low[k], box->high[k]);
-    }
-}
-
-/* Removes the marked inner nodes and lists the subtrees that are left. */
-static void take_apart(pe_tree *tree, forest *p)
-{
-    const pe_tree_node *nodes = nodes_of(tree);
-    int stacked = 0;
-    p->stack[stacked++] = tree->root;
-    while (stacked > 0) {
-        int i = p->stack[--stacked];
-        if (nodes[i].marked && !is_leaf(&nodes[i])) {
-            p->stack[stacked++] = nodes[i].child[1];
-            p->stack[stacked++] = nodes[i].child[0];
-            release_node(tree, i);
-        } else if (is_leaf(&nodes[i]) && nodes[i].child[1] == NONE) {
-            tree->leaf_count -= 1;
-            release_node(tree, i);
-        } else {
-            add_subtree(p, i, &nodes[i].box);
-        }
-    }
-}
-
-/* Removes all nodes, and lists copies of the leaves. */
-static void take_all(pe_tree *tree, forest *p)
-{
-    const pe_tree_node *nodes = nodes_of(tree);
-    for (int i = 1; i <= tree->node_count; ++i) {
-        if (is_leaf(&nodes[i]) && nodes[i].child[1] != NONE) {
-            p->leaf[p->count] = nodes[i];
-            add_subtree(p, p->count, &nodes[i].box);
-        }
-    }
-    tree->leaf_count = p->count;
-    tree->node_count = 0;
-    tree->first_free = NONE;
-}
-
-static void swap(subtree *a, subtree *b)
-{
-    subtree c = *a;
-    *a = *b;
-    *b = c;
-}
-
-/* The axis along which the centres are spread widest, and the middle of their range on it. */
-static int widest_axis(const subtree *subtrees, int count, double *middle)
-{
-    double low[3], high[3];
-    for (int k = 0; k < 3; ++k) {
-        low[k] = high[k] = subtrees[0].centre[k];
-    }
-    for (int i = 1; i < count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            low[k] = pe_min(low[k], subtrees[i].centre[k]);
-            high[k] = pe_max(high[k], subtrees[i].centre[k]);
-        }
-    }
-    double x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
-    int axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-    *middle = midpoint_of(low[axis], high[axis]);
-    return axis;
-}
-
-/* Puts the subtrees with centres below the value first; returns how many they are. */
-static int cut_at(subtree *subtrees, int count, int axis, double value)
-{
-    int below = 0;
-    for (int i = 0; i < count; ++i) {
-        if (subtrees[i].centre[axis] < value) {
-            swap(&subtrees[i], &subtrees[below++]);
-        }
-    }
-    return below;
-}
-
-/* Puts the lower half before the upper one (quickselect, Hoare 1961). Equal ones may go to either
- * half. */
-static int cut_in_halves(subtree *subtrees, int count, int axis)
-{
-    int half = count / 2;
-    for (int begin = 0, end = count - 1; begin < end;) {
-        double pivot = subtrees[begin + (end - begin) / 2].centre[axis];
-        int i = begin, j = end;
-        while (i <= j) {
-            while (subtrees[i].centre[axis] < pivot) {
-                ++i;
-            }
-            while (subtrees[j].centre[axis] > pivot) {
-                --j;
-            }
-            if (i <= j) {
-                swap(&subtrees[i++], &subtrees[j--]);
-            }
-        }
-        if (half <= j) {
-            end = j;
-        } else if (half >= i) {
-            begin = i;
-        } else {
-            break;
-        }
-    }
-    return half;
-}
-
-/* Partitions 2 or more subtrees between two children; returns how many the first one gets. */
-static int cut(subtree *subtrees, int count)
-{
-    double middle;
-    int axis = widest_axis(subtrees, count, &middle);
-    int below = cut_at(subtrees, count, axis, middle), above = count - below;
-    return 4 * (below < above ? below : above) < count ? cut_in_halves(subtrees, count, axis)
-                                                       : below;
-}
-
-/* Computes box, height and mark of an inner node from its children. */
-static void fit(pe_tree_node *nodes, int node)
-{
-    pe_tree_node *n = &nodes[node];
-    const pe_tree_node *p = &nodes[n->child[0]], *q = &nodes[n->child[1]];
-    for (int k = 0; k < 3; ++k) {
-        n->box.low[k] = pe_min(p->box.low[k], q->box.low[k]);
-        n->box.high[k] = pe_max(p->box.high[k], q->box.high[k]);
-    }
-    n->height = (int16_t)(1 + (p->height > q->height ? p->height : q->height));
-    n->marked = p->marked || q->marked;
-}
-
-/* Subtrees begin .. end - 1, which are still to be put under a node; of one subtree, its root. */
-typedef struct range {
-    int begin, end, node;
-} range;
-
-/* A range with its node, of which the parent is set. The copy of a leaf gets a new node. */
-static range make_range(pe_tree *tree, const forest *p, int begin, int end, int parent)
-{
-    const bool one = end - begin == 1;
-    int node = one && p->leaf == NULL ? p->item[begin].node : take_node(tree);
-    if (one && p->leaf != NULL) {
-        const pe_tree_node *leaf = &p->leaf[p->item[begin].node];
-        nodes_of(tree)[node] = *leaf;
-        leaves_of(tree)[leaf->child[1]] = node;
-    }
-    nodes_of(tree)[node].parent = parent;
-    return (range){begin, end, node};
-}
-
-/* Builds nodes over all subtrees, from above. Siblings lie next to each other, because they are looked at
- * together. */
-static void build(pe_tree *tree, const forest *p)
-{
-    pe_tree_node *nodes = nodes_of(tree);
-    range open[MAX_RANGES];
-    int open_count = 0, made_count = 0;
-    tree->root = NONE;
-    if (p->count > 0) {
-        open[open_count] = make_range(tree, p, 0, p->count, NONE);
-        tree->root = open[open_count++].node;
-    }
-    while (open_count > 0) {
-        const range r = open[--open_count];
-        if (r.end - r.begin > 1) {
-            const int middle = r.begin + cut(p->item + r.begin, r.end - r.begin);
-            const range first = make_range(tree, p, r.begin, middle, r.node);
-            const range second = make_range(tree, p, middle, r.end, r.node);
-            nodes[r.node].child[0] = first.node;
-            nodes[r.node].child[1] = second.node;
-            open[open_count++] = second;
-            open[open_count++] = first;
-            p->stack[made_count++] = r.node;
-        }
-    }
-    while (made_count > 0) { /* children were made after their parents */
-        fit(nodes, p->stack[--made_count]);
-    }
-}
-
-static pe_status rebuild(pe_tree *tree, bool all, pe_workspace work, pe_error *error)
-{
-    pe_arena_mark before = pe_arena_fill(work.arena);
-    size_t leaves = (size_t)tree->leaf_count;
-    forest p = {
-        .item = pe_take(work, leaves, sizeof *p.item),
-        .leaf = all ? pe_take(work, leaves, sizeof *p.leaf) : NULL,
-        .stack = pe_take(work, leaves + 1, sizeof *p.stack),
-    };
-    pe_status status = PE_OK;
-    if (p.item == NULL || p.stack == NULL || (all && p.leaf == NULL)) {
-        status = pe_fail(error, PE_NO_MEMORY, "no memory for a tree of %zu boxes", leaves);
-    } else {
-        if (all) {
-            take_all(tree, &p);
-        } else {
-            take_apart(tree, &p);
-        }
-        build(tree, &p);
-    }
-    pe_arena_rewind(work.arena, work.allocator, before);
-    return status;
-}
-
-pe_status pe_tree_update(pe_tree *tree, pe_workspace work, pe_error *error)
-{
-    pe_status status = PE_OK;
-    if (tree->marked_count > 0) {
-        status = rebuild(tree, is_mostly_marked(tree), work, error);
-    }
-    if (status == PE_OK && tree->root != NONE && nodes_of(tree)[tree->root].height > MAX_HEIGHT) {
-        status = rebuild(tree, true, work, error);
-    }
-    return status;
 }
 
 /* ---- Pairs ---- */

@@ -76,8 +76,12 @@ void pe_tree_free(pe_tree *tree, const pe_allocator *allocator);
 pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, const pe_aabb *box,
                       pe_error *error);
 
-/* Gives the leaf of an item another box, which must hold no NaN. */
-void pe_tree_move(pe_tree *tree, int item, const pe_aabb *box);
+/* Gives the leaf of an item another box, which must hold no NaN. pe_tree_mark must follow. Threads may do so
+ * for different items at the same time. */
+void pe_tree_set_box(pe_tree *tree, int item, const pe_aabb *box);
+
+/* Notes that the box of an item is another one. */
+void pe_tree_mark(pe_tree *tree, int item);
 
 /* Removes the leaf of an item. */
 void pe_tree_remove(pe_tree *tree, int item);
@@ -92,7 +96,7 @@ static inline const pe_aabb *pe_tree_box(const pe_tree *tree, int item)
     return &nodes[((const int *)tree->leaf_array.items)[item]].box;
 }
 
-/* Rebuilds what changes have marked. On PE_NO_MEMORY the tree is as it was, still to be updated. */
+/* Rebuilds what changes have marked, by the threads of the workspace. On PE_NO_MEMORY the tree is as it was, still to be updated. */
 pe_status pe_tree_update(pe_tree *tree, pe_workspace work, pe_error *error);
 
 /* Two nodes, one of each tree, below which pairs are looked for. */

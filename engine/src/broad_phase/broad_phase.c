@@ -248,15 +248,15 @@ static left_boxes update_tight(const pe_world *world, int slot, double dt, doubl
                                                                                      : BOTH;
 }
 
-static void move_leaf(pe_world *world, int slot, double dt)
+/* Gives the body a fat AABB that holds its tight one. */
+static void move_leaf(const pe_world *world, int slot, double dt)
 {
     pe_broad *broad = world->broad;
     const pe_proxy *proxy = &proxies_of(broad)[slot];
     pe_vec3 ahead = pe_scale(AHEAD * dt, pe_twists(world)[slot].velocity);
     pe_aabb fat = enlarged(&proxy->tight, FAT * proxy->radius, ahead);
     bool has_nan = !pe_aabb_contains(&fat, &fat); /* such a box overlaps none */
-    pe_tree_move(tree_of(broad, proxy), slot, has_nan ? &(pe_aabb){{0}, {0}} : &fat);
-    mark_moved(broad, slot);
+    pe_tree_set_box(tree_of(broad, proxy), slot, has_nan ? &(pe_aabb){{0}, {0}} : &fat);
 }
 
 /* Bodies whose nodes are fetched before they are looked at: these lie anywhere in memory. */
@@ -285,7 +285,11 @@ static void update_tight_boxes(void *context, int worker, int begin, int end)
         if (!pe_rests(resting, slot) && proxies[slot].bounded &&
             !is_within_tight(&proxies[slot], &pe_poses(world)[slot], &pe_twists(world)[slot], b->dt,
                              b->slack)) {
-            b->left[slot] = (uint8_t)update_tight(world, slot, b->dt, b->slack);
+            const left_boxes left = update_tight(world, slot, b->dt, b->slack);
+            b->left[slot] = (uint8_t)left;
+            if (left == BOTH) {
+                move_leaf(world, slot, b->dt);
+            }
         }
     }
 }
@@ -306,7 +310,8 @@ static pe_status update_all_boxes(pe_world *world, double dt, pe_error *error)
         if (b.left[slot] != NEITHER) {
             world->broad->tight_changed = true;
             if (b.left[slot] == BOTH) {
-                move_leaf(world, slot, dt);
+                pe_tree_mark(tree_of(world->broad, &proxies_of(world->broad)[slot]), slot);
+                mark_moved(world->broad, slot);
             }
         }
     }
@@ -558,13 +563,18 @@ pe_status pe_broad_phase(pe_world *world, double dt, const bool *moved, pe_pair_
         return status;
     }
     int count = world->broad->tight_count;
-    const pe_pair *tight = world->broad->tight_array.items;
+    pe_pair *tight = world->broad->tight_array.items;
+    const int *resting = pe_resting_of(world);
+    if (moved == NULL && resting == NULL) {
+        pairs->items = tight;
+        pairs->count = pairs->capacity = count;
+        return PE_OK;
+    }
     pairs->items = pe_scratch(world, (size_t)count + 1, sizeof *pairs->items);
     pairs->capacity = count + 1;
     if (pairs->items == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", count);
     }
-    const int *resting = pe_resting_of(world);
     for (int i = 0; i < count; ++i) {
         if ((moved == NULL || moved[tight[i].a] || moved[tight[i].b]) &&
             (resting == NULL || is_active(world, resting, tight[i]))) {

@@ -56,12 +56,52 @@ static void sort_by_group(const int *group, int count, int groups, int *start, i
     start[0] = 0;
 }
 
-static void join(const pe_world *world, const pe_manifold *m, int *parent)
+/* The bodies of a manifold that can move: if it is one, both are the same; -1: the manifold joins none. */
+typedef struct link {
+    int a, b;
+} link;
+
+/* Whether a manifold joins its bodies. */
+typedef bool joining(const pe_contacts *contacts, const pe_manifold *m);
+
+/* The links of a list of contacts. */
+typedef struct linking {
+    const pe_body *bodies;
+    const pe_contacts *contacts;
+    joining *joins; /* NULL: all do */
+    link *links;    /* (manifolds) */
+} linking;
+
+enum { LINK_GRAIN = 512 };
+
+static void find_links(void *context, int worker, int begin, int end)
 {
-    const pe_body *bodies = pe_bodies(world);
-    if (!bodies[m->a].is_static && !bodies[m->b].is_static) {
-        pe_join_roots(parent, m->a, m->b); /* an island's root is its first body */
+    (void)worker;
+    const linking *l = context;
+    for (int i = begin; i < end; ++i) {
+        const pe_manifold *m = &pe_manifolds(l->contacts)[i];
+        const bool joins = l->joins == NULL || l->joins(l->contacts, m);
+        l->links[i] = !joins                      ? (link){-1, -1}
+                      : l->bodies[m->a].is_static ? (link){m->b, m->b}
+                      : l->bodies[m->b].is_static ? (link){m->a, m->a}
+                                                  : (link){m->a, m->b};
     }
+}
+
+/* The links of all manifolds; NULL: there is no memory. Joins the roots of their bodies. */
+static link *join_all(pe_world *world, const pe_contacts *contacts, joining *joins, int *parent)
+{
+    linking l = {pe_bodies(world), contacts, joins,
+                 pe_scratch(world, (size_t)contacts->manifold_count + 1, sizeof(link))};
+    if (l.links != NULL) {
+        pe_pool_run(world->pool, contacts->manifold_count, LINK_GRAIN, find_links, &l);
+        for (int i = 0; i < contacts->manifold_count; ++i) {
+            if (l.links[i].a != l.links[i].b) {
+                pe_join_roots(parent, l.links[i].a, l.links[i].b);
+            }
+        }
+    }
+    return l.links;
 }
 
 /* Fills the lists of bodies from the numbers of the roots. */
@@ -95,19 +135,17 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
     if (pe_scratch_failed(world)) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the islands of %zu bodies", slots);
     }
-    const pe_body *bodies = pe_bodies(world);
-    const pe_manifold *manifolds = pe_manifolds(&world->contacts);
     for (int slot = 0; slot < world->slot_count; ++slot) {
         parent[slot] = slot;
         number[slot] = -1;
     }
-    for (int i = 0; i < count; ++i) {
-        join(world, &manifolds[i], parent);
+    const link *links = join_all(world, &world->contacts, NULL, parent);
+    if (links == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for the islands of %zu bodies", slots);
     }
     /* Mark the roots that have contacts and number them in order. */
     for (int i = 0; i < count; ++i) {
-        int body = bodies[manifolds[i].a].is_static ? manifolds[i].b : manifolds[i].a;
-        island_of[i] = pe_root_of(parent, body);
+        island_of[i] = pe_root_of(parent, links[i].a);
         number[island_of[i]] = 0;
     }
     for (int slot = 0; slot < world->slot_count; ++slot) {
@@ -197,19 +235,6 @@ static bool pushed(const pe_contacts *contacts, const pe_manifold *m)
     return false;
 }
 
-static void join_all(const pe_world *world, const pe_contacts *contacts,
-                     bool (*joins)(const pe_contacts *, const pe_manifold *), int *parent,
-                     bool *joined)
-{
-    for (int i = 0; i < contacts->manifold_count; ++i) {
-        const pe_manifold *m = &pe_manifolds(contacts)[i];
-        if (joins(contacts, m)) {
-            join(world, m, parent);
-            joined[m->a] = joined[m->b] = true;
-        }
-    }
-}
-
 pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error *error)
 {
     size_t slots = (size_t)world->slot_count;
@@ -224,11 +249,22 @@ pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error
         parent[slot] = slot;
         number[slot] = -1;
     }
-    join_all(world, &world->solved, pushed, parent, joined);
-    join_all(world, &world->contacts, touches, parent, joined);
+    const pe_contacts *lists[] = {&world->solved, &world->contacts};
+    joining *const joins[] = {pushed, touches};
+    for (int list = 0; list < 2; ++list) {
+        const link *links = join_all(world, lists[list], joins[list], parent);
+        if (links == NULL) {
+            return pe_fail(error, PE_NO_MEMORY, "no memory for the groups of %zu bodies", slots);
+        }
+        for (int i = 0; i < lists[list]->manifold_count; ++i) {
+            if (links[i].a >= 0) {
+                joined[links[i].a] = joined[links[i].b] = true;
+            }
+        }
+    }
     const pe_body *bodies = pe_bodies(world);
     for (int slot = 1; slot < world->slot_count; ++slot) {
-        if (joined[slot] && bodies[slot].alive && !bodies[slot].is_static) {
+        if (joined[slot] && bodies[slot].alive) {
             int root = pe_root_of(parent, slot);
             number[root] = number[root] < 0 ? groups->count++ : number[root];
         }

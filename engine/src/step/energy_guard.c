@@ -218,24 +218,53 @@ static double parted(const pe_step *step, const pe_manifold *m, const pe_manifol
     return pe_dot(m->normal, pe_sub(b, a));
 }
 
+/* What it costs to lift loads out of the depth of soft contacts. */
+typedef struct lifting {
+    const pe_step *step;
+    double *of_point; /* J, of each point that was solved */
+} lifting;
+
+static void find_lifts_of_points(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const lifting *l = context;
+    const pe_contacts *solved = &l->step->world->solved;
+    for (int i = begin; i < end; ++i) {
+        const pe_manifold *m = &pe_manifolds(solved)[i];
+        for (int j = m->first; j < m->first + m->count; ++j) {
+            const pe_manifold_point *point = &pe_manifold_points(solved)[j];
+            const double force = pe_dot(m->normal, point->impulse) / l->step->dt;
+            l->of_point[j] = 0;
+            if (point->separation < 0 && force > 0) {
+                const double way = pe_min(parted(l->step, m, point), -point->separation);
+                l->of_point[j] = force * pe_max(way, 0);
+            }
+        }
+    }
+}
+
+enum { LIFT_GRAIN = 256 };
+
 /* What it costs to lift the load of each soft contact out of its depth, in J: the force of the
  * contact along the depth that was removed. It counts for one of the two bodies, which are in the
  * same group. NULL where there is no memory. */
 static double *find_lifts(const pe_step *step)
 {
-    const pe_world *world = step->world;
+    pe_world *world = step->world;
     const pe_body *bodies = pe_bodies(world);
-    double *lifts = pe_scratch_zero(step->world, (size_t)world->slot_count, sizeof *lifts);
-    for (int k = 0; k < step->islands.count && lifts != NULL; ++k) {
-        pe_point_walk at = pe_walk_island(&world->solved, &step->islands, k);
+    const pe_contacts *solved = &world->solved;
+    double *lifts = pe_scratch_zero(world, (size_t)world->slot_count, sizeof *lifts);
+    lifting l = {step, pe_scratch(world, (size_t)solved->point_count + 1, sizeof *l.of_point)};
+    if (lifts == NULL || l.of_point == NULL) {
+        return NULL;
+    }
+    pe_pool_run(world->pool, solved->manifold_count, LIFT_GRAIN, find_lifts_of_points, &l);
+    for (int k = 0; k < step->islands.count; ++k) {
+        pe_point_walk at = pe_walk_island(solved, &step->islands, k);
         while (step->soft[k] && pe_next_point(&at)) {
             const pe_manifold *m = at.manifold;
-            double force = pe_dot(m->normal, at.point->impulse) / step->dt;
-            if (at.point->separation < 0 && force > 0) {
-                double way = pe_min(parted(step, m, at.point), -at.point->separation);
-                double lift = force * pe_max(way, 0);
-                lifts[bodies[m->a].is_static ? m->b : m->a] += lift;
-            }
+            lifts[bodies[m->a].is_static ? m->b : m->a] +=
+                l.of_point[at.point - pe_manifold_points(solved)];
         }
     }
     return lifts;
