@@ -173,12 +173,47 @@ static int body_of(const pe_islands *islands, int slot, int statics)
     return islands->place[slot] < 0 ? statics : islands->place[slot];
 }
 
+/* The bodies and the first points of all manifolds. */
+typedef struct heading {
+    const pe_manifold *kept;
+    const pe_islands *islands;
+    pe_island_problem *built;
+    int grain, first[PE_MOST_SUMS]; /* of each piece: how many points it has, then its first one */
+} heading;
+
+static void count_points(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    heading *h = context;
+    int points = 0;
+    for (int i = begin; i < end; ++i) {
+        points += h->kept[h->built->source[i]].count;
+    }
+    h->first[begin / h->grain] = points;
+}
+
+static void head_manifolds(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const heading *h = context;
+    const pe_problem *problem = &h->built->problem;
+    int first = h->first[begin / h->grain];
+    for (int i = begin; i < end; ++i) {
+        const pe_manifold *m = &h->kept[h->built->source[i]];
+        problem->manifold[i] = (pe_solver_manifold){
+            .a = body_of(h->islands, m->a, problem->body_count),
+            .b = body_of(h->islands, m->b, problem->body_count),
+            .first = first,
+        };
+        first += m->count;
+    }
+}
+
 pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_island_problem *built,
                            pe_error *error)
 {
     const pe_islands *islands = interval->islands;
     const int k = interval->k;
-    const pe_manifold *kept = pe_manifolds(&world->contacts);
     pe_problem *problem = &built->problem;
     *built = (pe_island_problem){
         .problem.body_count = islands->body_start[k + 1] - islands->body_start[k],
@@ -186,8 +221,15 @@ pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_isla
         .slot = islands->bodies + islands->body_start[k],
         .source = islands->manifolds + islands->start[k],
     };
-    for (int i = 0; i < problem->manifold_count; ++i) {
-        problem->point_count += kept[built->source[i]].count;
+    heading heads = {.kept = pe_manifolds(&world->contacts),
+                     .islands = islands,
+                     .built = built,
+                     .grain = pe_sum_grain(problem->manifold_count)};
+    pe_pool_run(world->pool, problem->manifold_count, heads.grain, count_points, &heads);
+    for (int i = 0; i < pe_piece_count(problem->manifold_count, heads.grain); ++i) {
+        const int count = heads.first[i];
+        heads.first[i] = problem->point_count;
+        problem->point_count += count;
     }
     pe_status status = pe_problem_take(problem, pe_step_memory(world), error);
     if (status != PE_OK) {
@@ -199,15 +241,7 @@ pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_isla
     if (built->point_of == NULL || built->normal_change == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %zu contact points", points);
     }
-    for (int i = 0, first = 0; i < problem->manifold_count; ++i) {
-        const pe_manifold *m = &kept[built->source[i]];
-        problem->manifold[i] = (pe_solver_manifold){
-            .a = body_of(islands, m->a, problem->body_count),
-            .b = body_of(islands, m->b, problem->body_count),
-            .first = first,
-        };
-        first += m->count;
-    }
+    pe_pool_run(problem->pool, problem->manifold_count, heads.grain, head_manifolds, &heads);
     status = pe_problem_list_sides(problem, pe_step_memory(world), error);
     if (status != PE_OK) {
         return status;

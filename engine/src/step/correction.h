@@ -9,6 +9,7 @@
 /* What is known of a contact of the world before a round. */
 typedef struct pe_correction_contact {
     double separation; /* m, least of the manifold */
+    int a, b;          /* slots; -1: a static body */
     bool among;        /* of a body in rules->among */
     bool left_alone;   /* earlier steps could not part the bodies */
 } pe_correction_contact;

@@ -12,10 +12,13 @@ static void look_at_pieces(void *context, int worker, int begin, int end)
     (void)worker;
     const pe_correction *c = context;
     const bool *among = c->rules->among;
+    const pe_body *bodies = pe_bodies(c->world);
     for (int i = begin; i < end; ++i) {
         const pe_manifold *m = &pe_manifolds(&c->world->contacts)[i];
         c->contacts[i] = (pe_correction_contact){
             .separation = m->least_separation,
+            .a = bodies[m->a].is_static ? -1 : m->a,
+            .b = bodies[m->b].is_static ? -1 : m->b,
             .among = among == NULL || among[m->a] || among[m->b],
             .left_alone = pe_is_left_alone(c->world, m),
         };

@@ -3,6 +3,11 @@
 
 #include "solver/kernels.h"
 
+#include <stdatomic.h>
+
+/* Manifolds or bodies of a piece, when those to be swept are chosen. */
+enum { CHOICE_GRAIN = 512 };
+
 /* Sweeps between two looks at the violation, after which more bodies may be swept. */
 enum { LOOK_INTERVAL = 10 };
 
@@ -15,13 +20,12 @@ static const double FAR = 4;
 
 /* ---- The problem ---- */
 
-/* The most depth that a contact of the manifold asks to be removed, in m. */
-static double most_removed(const pe_correction *c, const pe_manifold *m, bool left_alone)
+/* The most depth that a contact asks to be removed, in m. */
+static double most_removed(const pe_correction *c, const pe_correction_contact *contact)
 {
-    const pe_body *bodies = pe_bodies(c->world);
-    double a = bodies[m->a].is_static ? HUGE_VAL : pe_correction_way(c, m->a);
-    double b = bodies[m->b].is_static ? HUGE_VAL : pe_correction_way(c, m->b);
-    return left_alone ? 0 : pe_min(a, b);
+    double a = contact->a < 0 ? HUGE_VAL : pe_correction_way(c, contact->a);
+    double b = contact->b < 0 ? HUGE_VAL : pe_correction_way(c, contact->b);
+    return contact->left_alone ? 0 : pe_min(a, b);
 }
 
 /* A problem of the correction. */
@@ -39,9 +43,7 @@ static void set_gaps(void *context, int worker, int begin, int end)
     const pe_problem *problem = &b->built->problem;
     for (int i = begin; i < end; ++i) {
         pe_solver_manifold *manifold = &problem->manifold[i];
-        const int source = b->built->source[i];
-        const pe_manifold *m = &pe_manifolds(&c->world->contacts)[source];
-        const double least = -most_removed(c, m, c->contacts[source].left_alone);
+        const double least = -most_removed(c, &c->contacts[b->built->source[i]]);
         manifold->friction = 0;
         for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             double gap = pe_manifold_points(&c->world->contacts)[b->built->point_of[j]].separation;
@@ -111,48 +113,25 @@ bool pe_correction_is_better(const pe_problem *problem, const bool *chosen)
 
 /* ---- Sweeping the violated part of an island ---- */
 
-static void activate(const pe_correction *c, int slot)
-{
-    c->active[slot] = !pe_bodies(c->world)[slot].is_static;
-}
-
 /* Activates the bodies of violated contacts of island k. */
 static void activate_violated(const pe_correction *c, int k)
 {
     double depth = c->rules->aim + 0.5 * c->rules->enough;
     for (int i = c->islands->start[k]; i < c->islands->start[k + 1]; ++i) {
-        const int index = c->islands->manifolds[i];
-        if (pe_max(0, -c->contacts[index].separation) > depth) {
-            const pe_manifold *m = &pe_manifolds(&c->world->contacts)[index];
-            activate(c, m->a);
-            activate(c, m->b);
+        const pe_correction_contact *contact = &c->contacts[c->islands->manifolds[i]];
+        const int slots[2] = {contact->a, contact->b};
+        for (int side = 0; side < 2 && pe_max(0, -contact->separation) > depth; ++side) {
+            if (slots[side] >= 0) {
+                c->active[slots[side]] = true;
+            }
         }
     }
-}
-
-/* Activates the bodies that have been pushed; returns whether there is a new one. */
-static bool activate_reached(const pe_correction *c, const pe_island_problem *built,
-                             const pe_solver_body *displacement)
-{
-    bool any = false;
-    double enough = REACHED * c->rules->enough;
-    for (int i = 0; i < built->problem.body_count; ++i) {
-        int slot = built->slot[i];
-        const double *d = displacement[i].linear, *r = displacement[i].angular;
-        double radius = pe_bodies(c->world)[slot].bounding_radius;
-        double most = sqrt(pe_dot3(d, d)) + radius * sqrt(pe_dot3(r, r));
-        if (!c->active[slot] && most > enough) {
-            activate(c, slot);
-            any = true;
-        }
-    }
-    return any;
 }
 
 static void add_near_body(pe_correction *c, int slot)
 {
     pe_islands *near = &c->near;
-    if (!pe_bodies(c->world)[slot].is_static && near->place[slot] < 0) {
+    if (slot >= 0 && near->place[slot] < 0) {
         near->place[slot] = near->body_start[1];
         near->bodies[near->body_start[1]++] = slot;
     }
@@ -169,36 +148,83 @@ static void list_near(pe_correction *c, int k)
     near->start[1] = near->body_start[1] = 0;
     for (int i = c->islands->start[k]; i < c->islands->start[k + 1]; ++i) {
         const int index = c->islands->manifolds[i];
-        if (c->contacts[index].separation < far) {
-            const pe_manifold *m = &pe_manifolds(&c->world->contacts)[index];
+        const pe_correction_contact *contact = &c->contacts[index];
+        if (contact->separation < far) {
             near->manifolds[near->start[1]++] = index;
-            add_near_body(c, m->a);
-            add_near_body(c, m->b);
+            add_near_body(c, contact->a);
+            add_near_body(c, contact->b);
         }
     }
 }
 
-/* Chooses the manifolds of active bodies. `built` is that of c->near. */
-static void choose_swept(const pe_correction *c, const pe_island_problem *built, bool *chosen)
+/* Which part of the problem of c->near is swept. */
+typedef struct choice {
+    const pe_correction *c;
+    const pe_island_problem *built;
+    bool *chosen; /* (manifolds) */
+    const pe_solver_body *displacement;
+    atomic_bool grown;
+} choice;
+
+static void choose_manifolds(void *context, int worker, int begin, int end)
 {
-    const pe_problem *problem = &built->problem;
-    for (int i = 0; i < problem->manifold_count; ++i) {
+    (void)worker;
+    const choice *s = context;
+    const pe_problem *problem = &s->built->problem;
+    const bool *active = s->c->active;
+    for (int i = begin; i < end; ++i) {
         const int a = problem->manifold[i].a, b = problem->manifold[i].b;
-        chosen[i] = (a < problem->body_count && c->active[built->slot[a]]) ||
-                    (b < problem->body_count && c->active[built->slot[b]]);
+        s->chosen[i] = (a < problem->body_count && active[s->built->slot[a]]) ||
+                       (b < problem->body_count && active[s->built->slot[b]]);
     }
+}
+
+/* Chooses the manifolds of active bodies. */
+static void choose_swept(choice *s)
+{
+    pe_pool_run(s->built->problem.pool, s->built->problem.manifold_count, CHOICE_GRAIN,
+                choose_manifolds, s);
+}
+
+static void activate_pushed(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    choice *s = context;
+    const pe_correction *c = s->c;
+    const double enough = REACHED * c->rules->enough;
+    for (int i = begin; i < end; ++i) {
+        int slot = s->built->slot[i];
+        const double *d = s->displacement[i].linear, *r = s->displacement[i].angular;
+        double radius = pe_bodies(c->world)[slot].bounding_radius;
+        double most = sqrt(pe_dot3(d, d)) + radius * sqrt(pe_dot3(r, r));
+        if (!c->active[slot] && most > enough) {
+            c->active[slot] = true;
+            atomic_store_explicit(&s->grown, true, memory_order_relaxed);
+        }
+    }
+}
+
+/* Activates the bodies that have been pushed; returns whether there is a new one. */
+static bool activate_reached(choice *s, const pe_solver_body *displacement)
+{
+    s->displacement = displacement;
+    s->grown = false;
+    pe_pool_run(s->built->problem.pool, s->built->problem.body_count, CHOICE_GRAIN, activate_pushed,
+                s);
+    return s->grown;
 }
 
 /* Sweeps the chosen manifolds of the problem until they are solved or other bodies are reached. Leaves
  * the best impulses found. */
-static pe_status sweep_chosen(pe_correction *c, const pe_island_problem *built, const bool *chosen,
-                              pe_momentum *momentum, int *sweeps, bool *grown)
+static pe_status sweep_chosen(pe_correction *c, choice *s, pe_momentum *momentum, int *sweeps,
+                              bool *grown)
 {
+    const pe_island_problem *built = s->built;
     pe_sweep sweep;
     if (*sweeps > 0) { /* until then impulses and velocities are 0 */
         pe_problem_rebuild_velocity(&built->problem);
     }
-    pe_status status = pe_sweep_create_normals(&built->problem, chosen, pe_kernels_for(0)->sweep,
+    pe_status status = pe_sweep_create_normals(&built->problem, s->chosen, pe_kernels_for(0)->sweep,
                                                pe_step_memory(c->world), &sweep, c->error);
     if (status != PE_OK) {
         return status;
@@ -217,7 +243,7 @@ static pe_status sweep_chosen(pe_correction *c, const pe_island_problem *built, 
         *sweeps += LOOK_INTERVAL;
         pe_violation now = pe_sweep_violation(&sweep);
         pe_momentum_look(momentum, LOOK_INTERVAL, now.deepest);
-        *grown = activate_reached(c, built, sweep.velocity);
+        *grown = activate_reached(s, sweep.velocity);
         if (now.squares < best.squares || *grown) {
             best = now;
             pe_sweep_store(&sweep, &whole);
@@ -239,14 +265,15 @@ pe_status pe_correction_sweep(pe_correction *c, int k, pe_island_problem *built,
         return pe_fail(c->error, PE_NO_MEMORY, "no memory to sweep %d contact points",
                        built->problem.point_count);
     }
-    choose_swept(c, built, chosen);
+    choice s = {.c = c, .built = built, .chosen = chosen};
+    choose_swept(&s);
     pe_momentum momentum;
     int sweeps = 0;
     pe_arena_mark before = pe_arena_fill(&c->world->arena);
     for (bool grown = true; grown && sweeps < c->rules->max_sweeps && status == PE_OK;) {
         pe_arena_rewind(&c->world->arena, &c->world->allocator, before);
-        status = sweep_chosen(c, built, chosen, &momentum, &sweeps, &grown);
-        choose_swept(c, built, chosen);
+        status = sweep_chosen(c, &s, &momentum, &sweeps, &grown);
+        choose_swept(&s);
     }
     pe_problem_rebuild_velocity(&built->problem);
     *better = status == PE_OK && pe_correction_is_better(&built->problem, chosen);

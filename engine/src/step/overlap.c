@@ -2,8 +2,6 @@
 #include "correction.h"
 #include "model/rest.h"
 
-#include <string.h>
-
 /* In units of the least half extent: deeper contacts count as overlap. */
 static const double OVERLAP = 0.1;
 
@@ -33,14 +31,37 @@ bool pe_is_left_alone(const pe_world *world, const pe_manifold *m)
            is_static_or_waits(world, m->b);
 }
 
-/* Of each body (slots), in m; 0 where it has none, or is static. */
-static void find_overlap(const pe_world *world, double *depth)
+/* Which contacts of the world overlap. */
+typedef struct look {
+    const pe_world *world;
+    bool *overlaps; /* (manifolds) */
+} look;
+
+enum { LOOK_GRAIN = 512 };
+
+static void look_at_manifolds(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const look *l = context;
+    for (int i = begin; i < end; ++i) {
+        l->overlaps[i] = pe_overlaps(l->world, &pe_manifolds(&l->world->contacts)[i]);
+    }
+}
+
+/* The overlap of each body (slots), in m; 0 where it has none, or is static. NULL: there is no memory. */
+static double *find_overlap(pe_world *world)
 {
     const pe_body *bodies = pe_bodies(world);
-    memset(depth, 0, (size_t)world->slot_count * sizeof *depth);
-    for (int i = 0; i < world->contacts.manifold_count; ++i) {
-        const pe_manifold *m = &pe_manifolds(&world->contacts)[i];
-        if (pe_overlaps(world, m)) {
+    const int count = world->contacts.manifold_count;
+    double *depth = pe_scratch_zero(world, (size_t)world->slot_count, sizeof *depth);
+    look l = {world, pe_scratch(world, (size_t)count + 1, sizeof *l.overlaps)};
+    if (depth == NULL || l.overlaps == NULL) {
+        return NULL;
+    }
+    pe_pool_run(world->pool, count, LOOK_GRAIN, look_at_manifolds, &l);
+    for (int i = 0; i < count; ++i) {
+        if (l.overlaps[i]) {
+            const pe_manifold *m = &pe_manifolds(&world->contacts)[i];
             const int slots[2] = {m->a, m->b};
             for (int k = 0; k < 2; ++k) {
                 double most = pe_max(depth[slots[k]], -m->least_separation);
@@ -48,27 +69,25 @@ static void find_overlap(const pe_world *world, double *depth)
             }
         }
     }
+    return depth;
 }
 
 pe_status pe_overlap_begin(pe_step *step)
 {
     size_t slots = (size_t)step->world->slot_count;
-    step->overlap = pe_scratch(step->world, slots, sizeof *step->overlap);
-    if (step->overlap == NULL) {
-        return pe_fail(step->error, PE_NO_MEMORY, "no memory for the overlap of %zu bodies", slots);
-    }
-    find_overlap(step->world, step->overlap);
-    return PE_OK;
+    step->overlap = find_overlap(step->world);
+    return step->overlap != NULL ? PE_OK
+                                 : pe_fail(step->error, PE_NO_MEMORY,
+                                           "no memory for the overlap of %zu bodies", slots);
 }
 
 pe_status pe_overlap_end(pe_step *step)
 {
     size_t slots = (size_t)step->world->slot_count;
-    double *now = pe_scratch(step->world, slots, sizeof *now);
+    const double *now = find_overlap(step->world);
     if (now == NULL) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory for the overlap of %zu bodies", slots);
     }
-    find_overlap(step->world, now);
     const int *resting = pe_resting_of(step->world);
     for (size_t slot = 1; slot < slots; ++slot) {
         if (pe_rests(resting, (int)slot)) {

@@ -88,15 +88,33 @@ static double way_left(const pe_correction *c, int slot)
 
 /* The part, at most 1, of the displacements found by which no body moves too far; 0: they are not
  * finite. */
+typedef struct parting {
+    const pe_correction *c;
+    const pe_island_problem *built;
+    int grain;
+    double part[PE_MOST_SUMS];
+} parting;
+
+static void find_parts(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    parting *p = context;
+    double part = 1;
+    for (int i = begin; i < end; ++i) {
+        double way = way_of(p->c, p->built, i), left = way_left(p->c, p->built->slot[i]);
+        part = !isfinite(way) ? 0 : part * way > left ? left / way : part;
+    }
+    p->part[begin / p->grain] = part;
+}
+
 static double part_of(const pe_correction *c, const pe_island_problem *built)
 {
+    const int bodies = built->problem.body_count;
+    parting p = {.c = c, .built = built, .grain = pe_sum_grain(bodies)};
     double part = 1;
-    for (int i = 0; i < built->problem.body_count; ++i) {
-        double way = way_of(c, built, i), left = way_left(c, built->slot[i]);
-        if (!isfinite(way)) {
-            return 0;
-        }
-        part = part * way > left ? left / way : part;
+    pe_pool_run(built->problem.pool, bodies, p.grain, find_parts, &p);
+    for (int i = 0; i < pe_piece_count(bodies, p.grain); ++i) {
+        part = pe_min(part, p.part[i]);
     }
     return part;
 }
@@ -187,7 +205,8 @@ static bool has_moved_enough(const pe_correction *c, int k)
     for (int i = c->islands->body_start[k]; i < c->islands->body_start[k + 1] && !enough; ++i) {
         int slot = c->islands->bodies[i];
         /* One that has not been moved has its whole way left. */
-        enough = c->step->way[slot] > 0 && !(way_left(c, slot) > NO_WAY * pe_bodies(c->world)[slot].size);
+        enough = c->step->way[slot] > 0 &&
+                 !(way_left(c, slot) > NO_WAY * pe_bodies(c->world)[slot].size);
     }
     return enough;
 }

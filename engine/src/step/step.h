@@ -36,10 +36,10 @@ typedef struct pe_step {
     bool stale;   /* contacts are to be found before the step: bodies, materials or dt changed */
     bool repeats; /* same forces, dt and bodies as in the step before */
 
-    bool *corrected;                  /* bodies that position correction moved */
-    pe_pose *uncorrected_poses;       /* of these, before it did; NULL: not yet */
+    bool *corrected;            /* bodies that position correction moved */
+    pe_pose *uncorrected_poses; /* of these, before it did; NULL: not yet */
     pe_twist *uncorrected_twists;
-    pe_islands end_islands;           /* of the contacts that were found last */
+    pe_islands end_islands; /* of the contacts that were found last */
     bool has_end_islands;
     const int
         *group_place; /* (slots): below 0 where the energy guard left the body alone; NULL before */
