@@ -472,8 +472,53 @@ static pe_status update_fat_pairs(pe_world *world, pe_error *error)
     return status;
 }
 
-static bool overlap_tightly(const pe_world *world, pe_pair pair)
+enum { PAIR_GRAIN = 1024 };
+
+/* A choice among pairs. */
+typedef struct sieve {
+    const pe_world *world;
+    bool (*keeps)(const struct sieve *s, pe_pair pair);
+    const bool *moved;  /* (slots): see pe_broad_phase */
+    const int *resting; /* pe_resting_of the world */
+    const pe_pair *from;
+    pe_pair *to;
+    int *counts; /* kept of each piece, which lists them where it begins */
+} sieve;
+
+static void sift_piece(void *context, int worker, int begin, int end)
 {
+    (void)worker;
+    const sieve *s = context;
+    pe_pair *to = s->to + begin;
+    int count = 0;
+    for (int i = begin; i < end; ++i) {
+        if (s->keeps(s, s->from[i])) {
+            to[count++] = s->from[i];
+        }
+    }
+    s->counts[begin / PAIR_GRAIN] = count;
+}
+
+/* Lists the pairs that s->keeps, in the same order, in s->to (count), and counts them. */
+static pe_status sift(pe_world *world, sieve *s, int count, int *kept, pe_error *error)
+{
+    const int pieces = pe_piece_count(count, PAIR_GRAIN);
+    s->counts = pe_scratch(world, (size_t)pieces + 1, sizeof *s->counts);
+    if (s->counts == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", count);
+    }
+    pe_pool_run(world->pool, count, PAIR_GRAIN, sift_piece, s);
+    *kept = 0;
+    for (int i = 0; i < pieces; ++i) {
+        memmove(s->to + *kept, s->to + i * PAIR_GRAIN, (size_t)s->counts[i] * sizeof *s->to);
+        *kept += s->counts[i];
+    }
+    return PE_OK;
+}
+
+static bool overlap_tightly(const sieve *s, pe_pair pair)
+{
+    const pe_world *world = s->world;
     const pe_proxy *a = &proxies_of(world->broad)[pair.a], *b = &proxies_of(world->broad)[pair.b];
     const pe_body *bodies = pe_bodies(world);
     return is_plane(a)   ? is_below(&b->tight, &bodies[pair.a].shape)
@@ -481,52 +526,21 @@ static bool overlap_tightly(const pe_world *world, pe_pair pair)
                          : pe_aabb_overlaps(&a->tight, &b->tight);
 }
 
-enum { PAIR_GRAIN = 1024 };
-
-/* The pairs of tight AABBs among those of fat ones. */
-typedef struct tight_pairs {
-    const pe_world *world;
-    int *counts; /* found by each piece, which lists them where its fat pairs begin */
-} tight_pairs;
-
-static void find_tight_pairs(void *context, int worker, int begin, int end)
-{
-    (void)worker;
-    const tight_pairs *t = context;
-    const pe_pair *fat = t->world->broad->fat_array.items;
-    pe_pair *tight = (pe_pair *)t->world->broad->tight_array.items + begin;
-    int count = 0;
-    for (int i = begin; i < end; ++i) {
-        if (overlap_tightly(t->world, fat[i])) {
-            tight[count++] = fat[i];
-        }
-    }
-    t->counts[begin / PAIR_GRAIN] = count;
-}
-
+/* Lists the pairs of tight AABBs among those of fat ones. */
 static pe_status update_tight_pairs(pe_world *world, pe_error *error)
 {
     pe_broad *broad = world->broad;
     pe_status status = pe_array_reserve(&broad->tight_array, &world->allocator, sizeof(pe_pair),
                                         (size_t)broad->fat_count, 0, error);
-    if (status != PE_OK) {
-        return status;
+    if (status == PE_OK) {
+        sieve s = {.world = world,
+                   .keeps = overlap_tightly,
+                   .from = broad->fat_array.items,
+                   .to = broad->tight_array.items};
+        status = sift(world, &s, broad->fat_count, &broad->tight_count, error);
+        broad->tight_changed = status != PE_OK;
     }
-    const int pieces = pe_piece_count(broad->fat_count, PAIR_GRAIN);
-    tight_pairs t = {world, pe_scratch(world, (size_t)pieces + 1, sizeof *t.counts)};
-    if (t.counts == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", broad->fat_count);
-    }
-    pe_pool_run(world->pool, broad->fat_count, PAIR_GRAIN, find_tight_pairs, &t);
-    pe_pair *tight = broad->tight_array.items;
-    broad->tight_count = 0;
-    for (int i = 0; i < pieces; ++i) {
-        memmove(tight + broad->tight_count, tight + i * PAIR_GRAIN,
-                (size_t)t.counts[i] * sizeof *tight);
-        broad->tight_count += t.counts[i];
-    }
-    broad->tight_changed = false;
-    return PE_OK;
+    return status;
 }
 
 static pe_status update_pairs(pe_world *world, double dt, pe_error *error)
@@ -546,12 +560,15 @@ static pe_status update_pairs(pe_world *world, double dt, pe_error *error)
     return status == PE_OK && broad->tight_changed ? update_tight_pairs(world, error) : status;
 }
 
-/* Whether one of the bodies is neither static nor at rest. */
-static bool is_active(const pe_world *world, const int *resting, pe_pair pair)
+/* Whether a body has moved, if that is asked, and one is neither static nor at rest. */
+static bool is_active(const sieve *s, pe_pair pair)
 {
-    const pe_proxy *a = &proxies_of(world->broad)[pair.a], *b = &proxies_of(world->broad)[pair.b];
-    return (!pe_rests(resting, pair.a) && !a->is_static) ||
-           (!pe_rests(resting, pair.b) && !b->is_static);
+    if (s->moved != NULL && !s->moved[pair.a] && !s->moved[pair.b]) {
+        return false;
+    }
+    const pe_proxy *proxies = proxies_of(s->world->broad);
+    return s->resting == NULL || (!pe_rests(s->resting, pair.a) && !proxies[pair.a].is_static) ||
+           (!pe_rests(s->resting, pair.b) && !proxies[pair.b].is_static);
 }
 
 pe_status pe_broad_phase(pe_world *world, double dt, const bool *moved, pe_pair_list *pairs,
@@ -562,24 +579,18 @@ pe_status pe_broad_phase(pe_world *world, double dt, const bool *moved, pe_pair_
     if (status != PE_OK) {
         return status;
     }
-    int count = world->broad->tight_count;
-    pe_pair *tight = world->broad->tight_array.items;
-    const int *resting = pe_resting_of(world);
-    if (moved == NULL && resting == NULL) {
-        pairs->items = tight;
-        pairs->count = pairs->capacity = count;
-        return PE_OK;
+    const int count = world->broad->tight_count;
+    pairs->items = world->broad->tight_array.items;
+    pairs->count = pairs->capacity = count;
+    sieve s = {.world = world,
+               .keeps = is_active,
+               .moved = moved,
+               .resting = pe_resting_of(world),
+               .from = pairs->items};
+    if (moved != NULL || s.resting != NULL) {
+        s.to = pairs->items = pe_scratch(world, (size_t)count + 1, sizeof *pairs->items);
+        status = s.to != NULL ? sift(world, &s, count, &pairs->count, error)
+                              : pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", count);
     }
-    pairs->items = pe_scratch(world, (size_t)count + 1, sizeof *pairs->items);
-    pairs->capacity = count + 1;
-    if (pairs->items == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", count);
-    }
-    for (int i = 0; i < count; ++i) {
-        if ((moved == NULL || moved[tight[i].a] || moved[tight[i].b]) &&
-            (resting == NULL || is_active(world, resting, tight[i]))) {
-            pairs->items[pairs->count++] = tight[i];
-        }
-    }
-    return PE_OK;
+    return status;
 }
