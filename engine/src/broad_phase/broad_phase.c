@@ -266,7 +266,7 @@ enum { AHEAD_OF_USE = 8 };
 typedef struct boxes {
     const pe_world *world;
     double dt, slack;
-    uint8_t *left; /* (slots) left_boxes */
+    uint8_t *left; /* (awake bodies) left_boxes */
 } boxes;
 
 static void update_tight_boxes(void *context, int worker, int begin, int end)
@@ -275,18 +275,17 @@ static void update_tight_boxes(void *context, int worker, int begin, int end)
     const boxes *b = context;
     const pe_world *world = b->world;
     const pe_proxy *proxies = proxies_of(world->broad);
-    const int *resting = pe_resting_of(world);
-    for (int slot = begin; slot < end; ++slot) {
-        b->left[slot] = NEITHER;
-        if (slot + AHEAD_OF_USE < end && proxies[slot + AHEAD_OF_USE].bounded) {
-            const pe_proxy *later = &proxies[slot + AHEAD_OF_USE];
-            __builtin_prefetch(pe_tree_box(tree_of(world->broad, later), slot + AHEAD_OF_USE));
+    const int *awake = pe_awake(world);
+    for (int i = begin; i < end; ++i) {
+        const int slot = awake[i], later = i + AHEAD_OF_USE < end ? awake[i + AHEAD_OF_USE] : 0;
+        b->left[i] = NEITHER;
+        if (proxies[later].bounded) {
+            __builtin_prefetch(pe_tree_box(tree_of(world->broad, &proxies[later]), later));
         }
-        if (!pe_rests(resting, slot) && proxies[slot].bounded &&
-            !is_within_tight(&proxies[slot], &pe_poses(world)[slot], &pe_twists(world)[slot], b->dt,
-                             b->slack)) {
+        if (proxies[slot].bounded && !is_within_tight(&proxies[slot], &pe_poses(world)[slot],
+                                                      &pe_twists(world)[slot], b->dt, b->slack)) {
             const left_boxes left = update_tight(world, slot, b->dt, b->slack);
-            b->left[slot] = (uint8_t)left;
+            b->left[i] = (uint8_t)left;
             if (left == BOTH) {
                 move_leaf(world, slot, b->dt);
             }
@@ -300,16 +299,17 @@ static pe_status update_all_boxes(pe_world *world, double dt, pe_error *error)
     boxes b = {.world = world,
                .dt = dt,
                .slack = pe_margin_slack(world, dt),
-               .left = pe_scratch(world, (size_t)world->slot_count, sizeof *b.left)};
+               .left = pe_scratch(world, (size_t)pe_awake_count(world) + 1, sizeof *b.left)};
     if (b.left == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the boxes of %d bodies",
                        world->slot_count);
     }
-    pe_pool_run(world->pool, world->slot_count, PE_BODY_GRAIN, update_tight_boxes, &b);
-    for (int slot = 1; slot < world->slot_count; ++slot) {
-        if (b.left[slot] != NEITHER) {
+    pe_pool_run(world->pool, pe_awake_count(world), PE_BODY_GRAIN, update_tight_boxes, &b);
+    for (int i = 0; i < pe_awake_count(world); ++i) {
+        const int slot = pe_awake(world)[i];
+        if (b.left[i] != NEITHER) {
             world->broad->tight_changed = true;
-            if (b.left[slot] == BOTH) {
+            if (b.left[i] == BOTH) {
                 pe_tree_mark(tree_of(world->broad, &proxies_of(world->broad)[slot]), slot);
                 mark_moved(world->broad, slot);
             }
@@ -553,7 +553,8 @@ static pe_status update_pairs(pe_world *world, double dt, pe_error *error)
     if (status != PE_OK) {
         return status;
     }
-    status = update_all_boxes(world, dt, error);
+    status = pe_rest_list_awake(world, error);
+    status = status ? status : update_all_boxes(world, dt, error);
     if (status == PE_OK && broad->moved_count > 0) {
         status = update_fat_pairs(world, error);
     }
@@ -579,7 +580,7 @@ pe_status pe_broad_phase(pe_world *world, double dt, const bool *moved, pe_pair_
     if (status != PE_OK) {
         return status;
     }
-    const int count = world->broad->tight_count;
+    const int count = world->rest->movable_count > 0 ? world->broad->tight_count : 0;
     pairs->items = world->broad->tight_array.items;
     pairs->count = pairs->capacity = count;
     sieve s = {.world = world,

@@ -186,7 +186,7 @@ pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *bo
         ((pe_applied_force *)world->applied_force_array.items)[slot] = (pe_applied_force){0};
     }
     pe_records(world)[slot] = (pe_record){0};
-    world->bodies_changed = true;
+    world->bodies_changed = world->rest->awake_stale = true;
     world->contacts_stale = true;
     *body = (pe_body_id){(uint32_t)slot, made->generation};
     return PE_OK;
@@ -240,7 +240,7 @@ pe_status pe_body_destroy(pe_world *world, pe_body_id body, pe_error *error)
     forget_contacts(&world->solved, slot);
     forget_contacts_apart(world, body.index);
     pe_rest_forget(world, slot);
-    world->bodies_changed = true;
+    world->bodies_changed = world->rest->awake_stale = true;
     world->contacts_stale = true;
     gone->alive = false;
     gone->next_free = world->first_free;

@@ -194,11 +194,8 @@ static void predict_bodies(void *context, int worker, int begin, int end)
     const prediction *p = context;
     const pe_world *world = p->world;
     pe_free_motion *motions = p->motions;
-    const int *resting = pe_resting_of(world);
-    for (int slot = begin; slot < end; ++slot) {
-        if (pe_rests(resting, slot)) {
-            continue;
-        }
+    for (int i = begin; i < end; ++i) {
+        const int slot = pe_awake(world)[i];
         const pe_twist *twist = &pe_twists(world)[slot];
         if (pe_masses(world)[slot].inverse_mass == 0) {
             motions[slot] = (pe_free_motion){.end = *twist, .mean = *twist};
@@ -211,7 +208,7 @@ static void predict_bodies(void *context, int worker, int begin, int end)
 void pe_predict_motion(const pe_world *world, const int *place, double dt, pe_free_motion *motions)
 {
     prediction p = {world, place, dt, motions};
-    pe_pool_run(world->pool, world->slot_count, PE_BODY_GRAIN, predict_bodies, &p);
+    pe_pool_run(world->pool, pe_awake_count(world), PE_BODY_GRAIN, predict_bodies, &p);
 }
 
 void pe_pose_move(pe_pose *pose, pe_vec3 displacement, pe_vec3 rotation)

@@ -1,5 +1,7 @@
 #include "island.h"
 
+#include "rest.h"
+
 /* Gaps up to this, in m, are closed. */
 static const double TOUCHING = 1e-6;
 
@@ -31,22 +33,25 @@ void pe_islands_take(pe_world *world, size_t manifolds, pe_islands *islands)
     };
 }
 
-/* Lists items 0 .. count - 1 by their group, ascending in each, with group -1 left out. Fills start
- * (groups + 1). */
-static void sort_by_group(const int *group, int count, int groups, int *start, int *sorted)
+/* Lists items by their group, in the given order in each, with group -1 left out. The items are those of
+ * `listed` (count), or if that is NULL 0 .. count - 1. Fills start (groups + 1). */
+static void sort_by_group(const int *group, const int *listed, int count, int groups, int *start,
+                          int *sorted)
 {
     memset(start, 0, ((size_t)groups + 1) * sizeof(int));
     for (int i = 0; i < count; ++i) {
-        if (group[i] >= 0) {
-            start[group[i] + 1] += 1;
+        const int of = group[listed != NULL ? listed[i] : i];
+        if (of >= 0) {
+            start[of + 1] += 1;
         }
     }
     for (int k = 0; k < groups; ++k) {
         start[k + 1] += start[k];
     }
     for (int i = 0; i < count; ++i) {
-        if (group[i] >= 0) {
-            sorted[start[group[i]]++] = i;
+        const int item = listed != NULL ? listed[i] : i;
+        if (group[item] >= 0) {
+            sorted[start[group[item]]++] = item;
         }
     }
     /* Each start has walked to its group's end: move them back. */
@@ -104,19 +109,29 @@ static link *join_all(pe_world *world, const pe_contacts *contacts, joining *joi
     return l.links;
 }
 
+/* Makes every body a root without a number. */
+static void make_roots(const pe_world *world, int *parent, int *number)
+{
+    for (int i = 0; i < pe_awake_count(world); ++i) {
+        const int slot = pe_awake(world)[i];
+        parent[slot] = slot;
+        number[slot] = -1;
+    }
+}
+
 /* Fills the lists of bodies from the numbers of the roots. */
 static void list_bodies(const pe_world *world, int *parent, const int *number, pe_islands *islands)
 {
-    /* Static and unused slots are roots of themselves without a contact: number -1. */
+    /* Static bodies are roots of themselves without a contact: number -1. */
     int *island_of_body = islands->place;
-    for (int slot = 0; slot < world->slot_count; ++slot) {
-        island_of_body[slot] = number[pe_root_of(parent, slot)];
+    const int *awake = pe_awake(world);
+    const int count = pe_awake_count(world);
+    for (int i = 0; i < count; ++i) {
+        island_of_body[awake[i]] = number[pe_root_of(parent, awake[i])];
     }
-    sort_by_group(island_of_body, world->slot_count, islands->count, islands->body_start,
+    sort_by_group(island_of_body, awake, count, islands->count, islands->body_start,
                   islands->bodies);
-    for (int slot = 0; slot < world->slot_count; ++slot) {
-        islands->place[slot] = -1;
-    }
+    memset(islands->place, -1, (size_t)world->slot_count * sizeof *islands->place);
     for (int k = 0; k < islands->count; ++k) {
         for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
             islands->place[islands->bodies[i]] = i - islands->body_start[k];
@@ -132,13 +147,10 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
     int *number = pe_scratch(world, slots, sizeof *number);
     int *island_of = pe_scratch(world, (size_t)count + 1, sizeof *island_of);
     pe_islands_take(world, (size_t)count, islands);
-    if (pe_scratch_failed(world)) {
+    if (pe_rest_list_awake(world, error) != PE_OK || pe_scratch_failed(world)) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the islands of %zu bodies", slots);
     }
-    for (int slot = 0; slot < world->slot_count; ++slot) {
-        parent[slot] = slot;
-        number[slot] = -1;
-    }
+    make_roots(world, parent, number);
     const link *links = join_all(world, &world->contacts, NULL, parent);
     if (links == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the islands of %zu bodies", slots);
@@ -148,14 +160,14 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
         island_of[i] = pe_root_of(parent, links[i].a);
         number[island_of[i]] = 0;
     }
-    for (int slot = 0; slot < world->slot_count; ++slot) {
+    for (int i = 0; i < pe_awake_count(world); ++i) {
+        const int slot = pe_awake(world)[i];
         number[slot] = number[slot] == 0 ? islands->count++ : -1;
     }
     for (int i = 0; i < count; ++i) {
         island_of[i] = number[island_of[i]];
     }
-    sort_by_group(island_of, count, islands->count, islands->start, islands->manifolds);
-
+    sort_by_group(island_of, NULL, count, islands->count, islands->start, islands->manifolds);
     list_bodies(world, parent, number, islands);
     return PE_OK;
 }
@@ -183,7 +195,7 @@ static int number_parts(const pe_world *world, const pe_islands *whole, int k, i
 static void list_parts(const int *part, int count, const int *number, int parts, int *start,
                        int *listed)
 {
-    sort_by_group(part, count, parts, start, listed);
+    sort_by_group(part, NULL, count, parts, start, listed);
     for (int i = 0; i < start[parts]; ++i) {
         listed[i] = number[listed[i]];
     }
@@ -242,13 +254,10 @@ pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error
     int *number = pe_scratch(world, slots, sizeof *number);
     bool *joined = pe_scratch_zero(world, slots, sizeof *joined);
     pe_islands_take(world, 0, groups);
-    if (pe_scratch_failed(world)) {
+    if (pe_rest_list_awake(world, error) != PE_OK || pe_scratch_failed(world)) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the groups of %zu bodies", slots);
     }
-    for (int slot = 0; slot < world->slot_count; ++slot) {
-        parent[slot] = slot;
-        number[slot] = -1;
-    }
+    make_roots(world, parent, number);
     const pe_contacts *lists[] = {&world->solved, &world->contacts};
     joining *const joins[] = {pushed, touches};
     for (int list = 0; list < 2; ++list) {
@@ -262,9 +271,9 @@ pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error
             }
         }
     }
-    const pe_body *bodies = pe_bodies(world);
-    for (int slot = 1; slot < world->slot_count; ++slot) {
-        if (joined[slot] && bodies[slot].alive) {
+    for (int i = 0; i < pe_awake_count(world); ++i) {
+        const int slot = pe_awake(world)[i];
+        if (joined[slot]) {
             int root = pe_root_of(parent, slot);
             number[root] = number[root] < 0 ? groups->count++ : number[root];
         }

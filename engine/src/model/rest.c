@@ -77,6 +77,33 @@ static void sum_totals(const pe_world *world)
     rest->totals = totals;
 }
 
+/* ---- Bodies that are not at rest ---- */
+
+pe_status pe_rest_list_awake(pe_world *world, pe_error *error)
+{
+    pe_rest *rest = world->rest;
+    if (!rest->awake_stale) {
+        return PE_OK;
+    }
+    pe_status status = pe_array_reserve(&rest->awake_array, &world->allocator, sizeof(int),
+                                        (size_t)world->slot_count, 0, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    const int *resting = pe_resting_of(world);
+    int *awake = rest->awake_array.items;
+    rest->awake_count = rest->movable_count = 0;
+    for (int slot = 0; slot < world->slot_count; ++slot) {
+        const bool rests = slot < rest->slot_count && pe_rests(resting, slot);
+        if (!rests && pe_bodies(world)[slot].alive) {
+            awake[rest->awake_count++] = slot;
+            rest->movable_count += !pe_bodies(world)[slot].is_static;
+        }
+    }
+    rest->awake_stale = false;
+    return PE_OK;
+}
+
 /* ---- Beginning of a step ---- */
 
 /* Moves what rests to the front of the arrays. */
@@ -138,7 +165,7 @@ pe_status pe_rest_begin(pe_world *world, double dt, pe_error *error)
     if (rest->contacts.manifold_count > MOST_GARBAGE * rest->totals.manifolds) {
         compact(world);
     }
-    return PE_OK;
+    return pe_rest_list_awake(world, error);
 }
 
 /* ---- Coming to rest ---- */
@@ -267,7 +294,7 @@ pe_status pe_rest_add(pe_world *world, const pe_islands *islands, const pe_rest_
         take_bodies_back(rest, first);
         return status;
     }
-    rest->changed = true;
+    rest->changed = rest->awake_stale = true;
     move_contacts(world);
     for (int k = first; k < rest->island_count; ++k) {
         add_to_totals(world, &islands_of(rest)[k], &rest->totals);
@@ -429,6 +456,8 @@ pe_status pe_rest_wake(pe_world *world, pe_error *error)
         merge_manifolds(world, &w);
         wake_bodies(world->rest);
         sum_totals(world);
+        world->rest->awake_stale = true;
+        status = pe_rest_list_awake(world, error);
     }
     return status;
 }
@@ -472,13 +501,14 @@ void pe_rest_forget(pe_world *world, int slot)
     island->manifold_count = kept;
     island->body_count = left;
     of_body(rest)[slot] = 0;
+    rest->awake_stale = true;
     rest->totals.islands -= left == 0;
 }
 
 void pe_rest_free(pe_rest *rest, const pe_allocator *allocator)
 {
     pe_array *arrays[] = {&rest->island_array, &rest->body_array, &rest->of_body_array,
-                          &rest->woken_array};
+                          &rest->woken_array, &rest->awake_array};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         pe_array_free(arrays[i], allocator);
     }

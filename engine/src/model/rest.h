@@ -44,7 +44,26 @@ typedef struct pe_rest {
     double
         sleep_drift; /* m, of the bodies that were woken since the step began: see pe_step_stats */
     pe_rest_totals totals; /* of islands that do not wake */
+    pe_array awake_array; /* (awake_count) slots in use of bodies that are not at rest, ascending */
+    int awake_count, movable_count; /* of the latter, those that are not static */
+    bool awake_stale; /* bodies were created or destroyed, came to rest or were woken since */
 } pe_rest;
+
+/* The bodies that are not at rest, static ones among them: ascending slots. A loop over them costs nothing
+ * for the others. pe_rest_list_awake must have been called since bodies were created or destroyed. */
+static inline const int *pe_awake(const pe_world *world)
+{
+    return world->rest->awake_array.items;
+}
+
+/* How many there are. */
+static inline int pe_awake_count(const pe_world *world)
+{
+    return world->rest->awake_count;
+}
+
+/* Lists them again if others have come or gone. */
+pe_status pe_rest_list_awake(pe_world *world, pe_error *error);
 
 /* Of each slot: 0 where the body is active or static. NULL: all are. */
 static inline const int *pe_resting_of(const pe_world *world)
@@ -58,7 +77,8 @@ static inline bool pe_rests(const int *resting, int slot)
     return resting != NULL && resting[slot] != 0;
 }
 
-/* Begins a step of dt, in s, or of 0: makes room for all slots, and forgets the islands that have been woken, and that others are new. */
+/* Begins a step of dt, in s, or of 0: makes room for all slots, lists the bodies that are awake, and forgets
+ * the islands that have been woken, and that others are new. */
 pe_status pe_rest_begin(pe_world *world, double dt, pe_error *error);
 
 /* What becomes of an island at the end of a step. */

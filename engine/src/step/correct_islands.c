@@ -43,13 +43,9 @@ static pe_status correct_by(pe_step *step, const pe_correction_rules *rules)
 static const bool *find_exactly_corrected(pe_step *step)
 {
     pe_world *world = step->world;
-    bool *found = pe_scratch(world, (size_t)world->slot_count, sizeof *found);
-    const int *resting = pe_resting_of(world);
-    for (int slot = 0; slot < world->slot_count && found != NULL; ++slot) {
-        found[slot] = false;
-        if (pe_rests(resting, slot)) {
-            continue;
-        }
+    bool *found = pe_scratch_zero(world, (size_t)world->slot_count, sizeof *found);
+    for (int i = 0; i < pe_awake_count(world) && found != NULL; ++i) {
+        const int slot = pe_awake(world)[i];
         pe_backoff *b = &pe_records(world)[slot].correction;
         found[slot] = step->solved_directly[slot] && b->wait == 0;
         b->wait -= b->wait > 0;
@@ -80,9 +76,9 @@ static pe_status correct_fast(pe_step *step)
     if (swept == NULL || soft == NULL) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %zu bodies", slots);
     }
-    const int *resting = pe_resting_of(step->world);
-    for (int slot = 1; slot < step->world->slot_count; ++slot) {
-        soft[slot] = !pe_rests(resting, slot) && !pe_bodies(step->world)[slot].is_static;
+    for (int i = 0; i < pe_awake_count(step->world); ++i) {
+        const int slot = pe_awake(step->world)[i];
+        soft[slot] = !pe_bodies(step->world)[slot].is_static;
     }
     for (int k = 0; k < islands->count; ++k) {
         for (int i = islands->body_start[k]; !step->soft[k] && i < islands->body_start[k + 1];

@@ -4,6 +4,7 @@
 #include "solver/kernels.h"
 
 #include <stdatomic.h>
+#include <string.h>
 
 /* Manifolds or bodies of a piece, when those to be swept are chosen. */
 enum { CHOICE_GRAIN = 512 };
@@ -292,8 +293,6 @@ pe_status pe_correction_begin_sweeps(pe_correction *c)
                        world->contacts.point_count);
     }
     c->near.start[0] = c->near.start[1] = c->near.body_start[0] = c->near.body_start[1] = 0;
-    for (int i = 0; i < world->slot_count; ++i) {
-        c->near.place[i] = -1;
-    }
+    memset(c->near.place, -1, (size_t)world->slot_count * sizeof *c->near.place);
     return PE_OK;
 }

@@ -1,3 +1,4 @@
+#include "model/rest.h"
 #include "step.h"
 
 /* Part of the terms that growth is the difference of, below which it is left alone. */
@@ -419,7 +420,8 @@ void pe_energy_guard(const pe_step *step, const pe_islands *groups, bool *put_ba
         report->removed += reports[i].removed;
         report->put_back += reports[i].put_back;
     }
-    for (int slot = 1; slot < step->world->slot_count; ++slot) {
+    for (int i = 0; i < pe_awake_count(step->world); ++i) {
+        const int slot = pe_awake(step->world)[i];
         if (is_corrected(step, slot) && groups->place[slot] < 0) {
             guard_group(&(group){step, lifts, &slot, 1}, put_back, report);
         }

@@ -112,23 +112,21 @@ static const char *fault_of(const pe_pose *pose, const pe_twist *twist, pe_vec3 
     return fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) < 1e-3 ? NULL : "orientation";
 }
 
-/* The first body from `begin` to `end` with such a state; `end`: none. */
+/* The first of the awake bodies `begin` to `end` with such a state; -1: none. */
 static int find_fault(const pe_step *step, int begin, int end, const char **what, pe_vec3 *found)
 {
-    const pe_body *bodies = pe_bodies(step->world);
-    const int *resting = pe_resting_of(step->world);
-    int slot = begin;
-    for (*what = NULL; slot < end; ++slot) {
+    for (int i = begin; i < end; ++i) {
+        const int slot = pe_awake(step->world)[i];
         const bool was_checked = step->group_place != NULL && step->group_place[slot] < 0 &&
                                  step->islands.place[slot] < 0 && !step->corrected[slot];
-        if (!was_checked && !pe_rests(resting, slot) && bodies[slot].alive) {
+        if (!was_checked) {
             *what = fault_of(&pe_poses(step->world)[slot], &pe_twists(step->world)[slot], found);
             if (*what != NULL) {
-                break;
+                return slot;
             }
         }
     }
-    return slot;
+    return -1;
 }
 
 /* The check of all bodies. */
@@ -143,7 +141,7 @@ static void check_bodies(void *context, int worker, int begin, int end)
     check *c = context;
     const char *what;
     pe_vec3 found;
-    if (find_fault(c->step, begin, end, &what, &found) < end) {
+    if (find_fault(c->step, begin, end, &what, &found) >= 0) {
         atomic_store_explicit(&c->failed, true, memory_order_relaxed);
     }
 }
@@ -152,12 +150,12 @@ pe_status pe_check_motion(const pe_step *step)
 {
     const pe_world *world = step->world;
     check c = {.step = step};
-    pe_pool_run(world->pool, world->slot_count, PE_BODY_GRAIN, check_bodies, &c);
+    pe_pool_run(world->pool, pe_awake_count(world), PE_BODY_GRAIN, check_bodies, &c);
     if (c.failed) {
         const char *what;
         pe_vec3 found;
-        const int slot = find_fault(step, 1, world->slot_count, &what, &found);
-        if (what != NULL) {
+        const int slot = find_fault(step, 0, pe_awake_count(world), &what, &found);
+        if (slot >= 0) {
             return pe_fail(step->error, PE_NOT_FINITE,
                            "body (%d, %u): expected a finite %s within 1e15 m, 1e30 m/s or "
                            "1e30 rad/s after a step of %g s, found (%g, %g, %g)",
@@ -279,12 +277,12 @@ static void bound_bodies(void *context, int worker, int begin, int end)
     (void)worker;
     bounding *b = context;
     const pe_step *step = b->step;
-    for (int slot = begin; slot < end; ++slot) {
+    for (int i = begin; i < end; ++i) {
+        const int slot = pe_awake(step->world)[i];
         if (step->islands.place[slot] < 0 && !step->corrected[slot]) {
             continue;
         }
-        const pe_body *body = &pe_bodies(step->world)[slot];
-        if (body->alive && !body->is_static && bound_body(step, slot)) {
+        if (!pe_bodies(step->world)[slot].is_static && bound_body(step, slot)) {
             b->put_back[slot] = true;
             atomic_store_explicit(&b->any, true, memory_order_relaxed);
         }
@@ -295,6 +293,6 @@ bool pe_bound_motion(const pe_step *step, bool *put_back)
 {
     bounding b = {.step = step};
     b.put_back = put_back;
-    pe_pool_run(step->world->pool, step->world->slot_count, PE_BODY_GRAIN, bound_bodies, &b);
+    pe_pool_run(step->world->pool, pe_awake_count(step->world), PE_BODY_GRAIN, bound_bodies, &b);
     return b.any;
 }

@@ -88,11 +88,8 @@ pe_status pe_overlap_end(pe_step *step)
     if (now == NULL) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory for the overlap of %zu bodies", slots);
     }
-    const int *resting = pe_resting_of(step->world);
-    for (size_t slot = 1; slot < slots; ++slot) {
-        if (pe_rests(resting, (int)slot)) {
-            continue;
-        }
+    for (int i = 0; i < pe_awake_count(step->world); ++i) {
+        const int slot = pe_awake(step->world)[i];
         pe_backoff *b = &pe_records(step->world)[slot].parting;
         if (b->wait > 0) {
             b->wait -= 1;

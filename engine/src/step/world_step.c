@@ -47,12 +47,10 @@ static void save_bodies(void *context, int worker, int begin, int end)
 {
     (void)worker;
     const pe_step *step = context;
-    const int *resting = pe_resting_of(step->world);
-    for (int slot = begin; slot < end; ++slot) {
-        if (!pe_rests(resting, slot)) {
-            step->poses[slot] = pe_poses(step->world)[slot];
-            step->twists[slot] = pe_twists(step->world)[slot];
-        }
+    for (int i = begin; i < end; ++i) {
+        const int slot = pe_awake(step->world)[i];
+        step->poses[slot] = pe_poses(step->world)[slot];
+        step->twists[slot] = pe_twists(step->world)[slot];
     }
 }
 
@@ -77,7 +75,7 @@ static pe_status begin_step(pe_step *step)
     }
     step->poses = world->start_pose_array.items;
     memset(step->moves, true, slots * sizeof *step->moves);
-    pe_pool_run(world->pool, world->slot_count, PE_BODY_GRAIN, save_bodies, step);
+    pe_pool_run(world->pool, pe_awake_count(world), PE_BODY_GRAIN, save_bodies, step);
     return PE_OK;
 }
 
@@ -152,10 +150,9 @@ static void integrate_bodies(void *context, int worker, int begin, int end)
     (void)worker;
     const pe_step *step = context;
     const pe_body *bodies = pe_bodies(step->world);
-    const int *resting = pe_resting_of(step->world);
-    for (int slot = begin; slot < end; ++slot) {
-        if (step->islands.place[slot] < 0 && !pe_rests(resting, slot) && bodies[slot].alive &&
-            !bodies[slot].is_static) {
+    for (int i = begin; i < end; ++i) {
+        const int slot = pe_awake(step->world)[i];
+        if (step->islands.place[slot] < 0 && !bodies[slot].is_static) {
             pe_integrate_free(step->world, slot, step->free, step->dt);
         }
     }
@@ -172,7 +169,7 @@ static pe_status solve_and_move(pe_step *step)
         return status;
     }
     step->stats.time_solve = lap(&mark);
-    pe_pool_run(world->pool, world->slot_count, PE_BODY_GRAIN, integrate_bodies, step);
+    pe_pool_run(world->pool, pe_awake_count(world), PE_BODY_GRAIN, integrate_bodies, step);
     pe_bound_energy(step);
     step->stats.time_integrate = lap(&mark);
     return pe_check_motion(step);
