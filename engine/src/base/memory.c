@@ -7,8 +7,9 @@
 
 enum { ALIGNMENT = 64 };
 
-/* A new block of an arena has at least this part of what is in use, so that there are few of them. */
-enum { GROWTH = 64 };
+/* A new block of an arena has at least this part of what is in use, and at least so many bytes, so that there
+ * are few of them. */
+enum { GROWTH = 64, LEAST_BLOCK = 16384 };
 
 /* What is given out begins ALIGNMENT bytes after the block. */
 struct pe_arena_block {
@@ -97,7 +98,8 @@ static struct pe_arena_block *take_block(pe_arena *arena, const pe_allocator *al
         arena->spare = NULL;
         return block;
     }
-    const size_t least = round_up(arena->wanted / GROWTH);
+    const size_t grown = round_up(arena->wanted / GROWTH);
+    const size_t least = grown < LEAST_BLOCK ? LEAST_BLOCK : grown;
     size = size < least ? least : size;
     block = allocator->allocate(allocator->context, ALIGNMENT + size);
     if (block != NULL) {
