@@ -16,12 +16,14 @@ enum { SPINS = 4000, PATIENCE = 200 };
 
 enum { CACHE_LINE = 64 };
 
-/* A thread of the pool. */
+/* A thread of the pool. Neighbours lie on cache lines of their own. */
 typedef struct seat {
     pe_pool *pool;
     int worker;
     pthread_t thread; /* not of a task system */
     void *handle;     /* of a task system */
+    atomic_int next;  /* of its share of the pieces: the one to be taken next */
+    char space[CACHE_LINE];
 } seat;
 
 struct pe_pool {
@@ -38,7 +40,6 @@ struct pe_pool {
     pthread_cond_t wake;
 
     _Alignas(CACHE_LINE) atomic_uint loop;  /* odd while a loop is open, and other than before */
-    _Alignas(CACHE_LINE) atomic_int next;   /* the piece to be taken next */
     _Alignas(CACHE_LINE) atomic_int inside; /* threads that may look at the loop */
     atomic_int sleepers;
     atomic_bool stop;
@@ -57,12 +58,23 @@ static int end_of(int begin, int end, int grain)
     return end - begin < grain ? end : begin + grain;
 }
 
+/* The first piece of a thread's share; that of the next thread begins where it ends. */
+static int share_of(const pe_pool *pool, int worker)
+{
+    return (int)((long long)pool->pieces * worker / pool->threads);
+}
+
+/* Takes the pieces of a thread's own share, which lie next to each other, as they did in the loops before,
+ * and then what is left of the others'. */
 static void take_pieces(pe_pool *pool, int worker)
 {
-    for (int i;
-         (i = atomic_fetch_add_explicit(&pool->next, 1, memory_order_relaxed)) < pool->pieces;) {
-        const int begin = pool->begin + i * pool->grain;
-        pool->piece(pool->context, worker, begin, end_of(begin, pool->end, pool->grain));
+    for (int k = 0; k < pool->threads; ++k) {
+        const int owner = (worker + k) % pool->threads, end = share_of(pool, owner + 1);
+        for (int i; (i = atomic_fetch_add_explicit(&pool->seats[owner].next, 1,
+                                                   memory_order_relaxed)) < end;) {
+            const int begin = pool->begin + i * pool->grain;
+            pool->piece(pool->context, worker, begin, end_of(begin, pool->end, pool->grain));
+        }
     }
 }
 
@@ -156,7 +168,7 @@ pe_status pe_pool_create(const pe_world_def *def, const pe_allocator *allocator,
     pthread_mutex_init(&made->mutex, NULL);
     pthread_cond_init(&made->wake, NULL);
     for (int i = 0; i < def->threads; ++i) {
-        seats[i] = (seat){.pool = made, .worker = i};
+        seats[i] = (seat){.pool = made, .worker = i, .next = 0};
     }
     while (def->tasks.run == NULL && made->started < def->threads) {
         seat *s = &seats[made->started];
@@ -193,7 +205,9 @@ int pe_pool_threads(const pe_pool *pool)
 
 static void open_loop(pe_pool *pool)
 {
-    atomic_store_explicit(&pool->next, 0, memory_order_relaxed);
+    for (int i = 0; i < pool->threads; ++i) {
+        atomic_store_explicit(&pool->seats[i].next, share_of(pool, i), memory_order_relaxed);
+    }
     atomic_fetch_add(&pool->loop, 1);
     wake_sleepers(pool);
     for (int i = 1; i < pool->threads && pool->tasks.run != NULL; ++i) {
