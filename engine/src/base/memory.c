@@ -11,6 +11,9 @@ enum { ALIGNMENT = 64 };
  * are few of them. */
 enum { GROWTH = 64, LEAST_BLOCK = 16384 };
 
+/* After so many steps that have used less of it, an arena shrinks. */
+enum { MOST_IDLE = 64 };
+
 /* What is given out begins ALIGNMENT bytes after the block. */
 struct pe_arena_block {
     struct pe_arena_block *before;
@@ -161,11 +164,14 @@ void pe_arena_rewind(pe_arena *arena, const pe_allocator *allocator, pe_arena_ma
 
 void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
 {
-    if (arena->last != NULL && arena->most > arena->last->capacity) {
-        /* A quarter more than was needed, so that slow growth does not allocate at each step. Without
-         * memory for it the old blocks stay, and others are needed again. */
-        const size_t most = arena->most + arena->most / 4;
-        struct pe_arena_block *block = take_block(arena, allocator, round_up(most));
+    /* A quarter more than was needed, so that slow growth does not allocate at each step. Without
+     * memory for it the old blocks stay, and others are needed again. */
+    const size_t enough = round_up(arena->most + arena->most / 4);
+    const size_t capacity = arena->last != NULL ? arena->last->capacity : 0;
+    arena->idle = capacity > LEAST_BLOCK && capacity > enough + enough / 4 ? arena->idle + 1 : 0;
+    if (arena->last != NULL && (arena->most > capacity || arena->idle == MOST_IDLE)) {
+        arena->idle = 0;
+        struct pe_arena_block *block = take_block(arena, allocator, enough);
         if (block != NULL) {
             block->before = NULL;
             pe_arena_free(arena, allocator);

@@ -50,26 +50,26 @@ enum { PE_MOST_PAUSE = 64 };
 /* Work that failed and is not tried again for a while: for twice as many steps each time, up to
  * PE_MOST_PAUSE. */
 typedef struct pe_backoff {
-    int wait;  /* steps left */
-    int pause; /* steps that the last wait took; 0: it did not fail last */
+    uint8_t wait;  /* steps left */
+    uint8_t pause; /* steps that the last wait took; 0: it did not fail last */
 } pe_backoff;
 
 /* Solves in a row that were to make an island stop. */
 typedef struct pe_stopping {
     pe_backoff backoff;
-    int tries; /* since it last waited */
+    uint8_t tries; /* since it last waited */
 } pe_stopping;
 
 /* What earlier steps found out about the island of a body, by which later ones save work. */
 typedef struct pe_record {
+    double residual, rms;  /* m/s: what the last solve left */
+    double slow_time;      /* s: how long the island has been slow enough to sleep */
     pe_backoff correction; /* exact position correction, which was taken back */
     pe_backoff direct;     /* the direct solver */
     pe_backoff settling;   /* sweeps at rest, which gained nothing */
     pe_backoff parting;    /* overlap, which was not parted */
     pe_backoff parts;      /* steps in parts, which had to be joined */
     pe_stopping stopping;  /* to make an island rest that hardly moves */
-    double residual, rms;  /* m/s: what the last solve left */
-    double slow_time;      /* s: how long the island has been slow enough to sleep */
     bool put_back;         /* the energy guard put the island back, which had been at rest */
 } pe_record;
 
@@ -214,7 +214,19 @@ static inline pe_backoff pe_backoff_after(bool failed, int pause)
 {
     int longer = pause == 0 ? 1 : 2 * pause, next = !failed ? 0 : longer;
     next = next < PE_MOST_PAUSE ? next : PE_MOST_PAUSE;
-    return (pe_backoff){next, next};
+    return (pe_backoff){(uint8_t)next, (uint8_t)next};
+}
+
+/* One step less to wait. */
+static inline pe_backoff pe_backoff_less(pe_backoff b)
+{
+    return (pe_backoff){(uint8_t)(b.wait > 0 ? b.wait - 1 : 0), b.pause};
+}
+
+/* The longer waits of two. */
+static inline pe_backoff pe_backoff_longer(pe_backoff a, pe_backoff b)
+{
+    return (pe_backoff){a.wait > b.wait ? a.wait : b.wait, a.pause > b.pause ? a.pause : b.pause};
 }
 
 /* The manifolds and points of a list. */

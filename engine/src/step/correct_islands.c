@@ -48,7 +48,7 @@ static const bool *find_exactly_corrected(pe_step *step)
         const int slot = pe_awake(world)[i];
         pe_backoff *b = &pe_records(world)[slot].correction;
         found[slot] = step->solved_directly[slot] && b->wait == 0;
-        b->wait -= b->wait > 0;
+        *b = pe_backoff_less(*b);
     }
     return found;
 }

@@ -386,9 +386,7 @@ static pe_backoff wait_of(const division *d)
 {
     pe_backoff longest = {0};
     for (int i = 0; i < d->body_count; ++i) {
-        const pe_backoff *b = &pe_records(d->world)[d->bodies[i]].parts;
-        longest.wait = b->wait > longest.wait ? b->wait : longest.wait;
-        longest.pause = b->pause > longest.pause ? b->pause : longest.pause;
+        longest = pe_backoff_longer(longest, pe_records(d->world)[d->bodies[i]].parts);
     }
     return longest;
 }
@@ -398,10 +396,8 @@ static void keep_waits(const division *d)
 {
     for (int i = 0; i < d->body_count; ++i) {
         pe_record *r = &pe_records(d->world)[d->bodies[i]];
-        r->direct = d->saved_records[i].direct;
-        r->settling = d->saved_records[i].settling;
-        r->direct.wait -= r->direct.wait > 0;
-        r->settling.wait -= r->settling.wait > 0;
+        r->direct = pe_backoff_less(d->saved_records[i].direct);
+        r->settling = pe_backoff_less(d->saved_records[i].settling);
     }
 }
 
@@ -441,8 +437,7 @@ pe_status pe_parts_step(pe_step *step, int k, bool *done, pe_path *path)
     *done = false;
     pe_backoff wait = wait_of(&d);
     if (wait.wait > 0) {
-        wait.wait -= 1;
-        set_wait(&d, wait);
+        set_wait(&d, pe_backoff_less(wait));
         return PE_OK;
     }
     pe_status status = begin(&d);

@@ -69,20 +69,15 @@ static void count_solve(pe_step *step, const pe_island_report *report,
     step->residual_points += points;
 }
 
-static pe_backoff longer(pe_backoff a, pe_backoff b)
-{
-    return (pe_backoff){a.wait > b.wait ? a.wait : b.wait, a.pause > b.pause ? a.pause : b.pause};
-}
-
 /* The longest waits among the bodies. */
 static pe_record record_of(const pe_world *world, const int *slots, int count)
 {
     pe_record record = {0};
     for (int i = 0; i < count; ++i) {
         const pe_record *r = &pe_records(world)[slots[i]];
-        record.direct = longer(record.direct, r->direct);
-        record.settling = longer(record.settling, r->settling);
-        record.stopping.backoff = longer(record.stopping.backoff, r->stopping.backoff);
+        record.direct = pe_backoff_longer(record.direct, r->direct);
+        record.settling = pe_backoff_longer(record.settling, r->settling);
+        record.stopping.backoff = pe_backoff_longer(record.stopping.backoff, r->stopping.backoff);
         record.stopping.tries =
             r->stopping.tries > record.stopping.tries ? r->stopping.tries : record.stopping.tries;
     }
@@ -92,7 +87,7 @@ static pe_record record_of(const pe_world *world, const int *slots, int count)
 /* The wait after a step: one less, or another one if the work was done. */
 static pe_backoff after_step(pe_backoff before, bool done, bool failed)
 {
-    return before.wait > 0 ? (pe_backoff){before.wait - 1, before.pause}
+    return before.wait > 0 ? pe_backoff_less(before)
            : done          ? pe_backoff_after(failed, before.pause)
                            : before;
 }
@@ -105,7 +100,7 @@ static pe_stopping after_try(const pe_island_item *item)
         return (pe_stopping){0};
     }
     if (!item->interval.stops) {
-        s.backoff.wait -= s.backoff.wait > 0;
+        s.backoff = pe_backoff_less(s.backoff);
     } else if (item->exact && ++s.tries == MOST_TRIES) {
         s = (pe_stopping){.backoff = pe_backoff_after(true, s.backoff.pause)};
     }
@@ -142,8 +137,8 @@ bool pe_island_hold(pe_step *step, int k)
     }
     for (int i = 0; i < count && held; ++i) {
         pe_record *r = &pe_records(world)[slots[i]];
-        r->direct.wait -= 1;
-        r->settling.wait -= 1;
+        r->direct = pe_backoff_less(r->direct);
+        r->settling = pe_backoff_less(r->settling);
         step->moves[slots[i]] = false;
     }
     if (held) {

@@ -92,7 +92,7 @@ pe_status pe_overlap_end(pe_step *step)
         const int slot = pe_awake(step->world)[i];
         pe_backoff *b = &pe_records(step->world)[slot].parting;
         if (b->wait > 0) {
-            b->wait -= 1;
+            *b = pe_backoff_less(*b);
         } else {
             bool in_vain = now[slot] > 0 && now[slot] > NO_HEADWAY * step->overlap[slot];
             *b = pe_backoff_after(in_vain, b->pause);
