@@ -7,12 +7,8 @@
 
 enum { ALIGNMENT = 64 };
 
-/* A new block of an arena has at least this part of what is in use, and at least so many bytes, so that there
- * are few of them. */
-enum { GROWTH = 64, LEAST_BLOCK = 16384 };
-
-/* After so many steps that have used less of it, an arena shrinks. */
-enum { MOST_IDLE = 64 };
+/* A new block of an arena has at least this part of what is in use, so that there are few of them. */
+enum { GROWTH = 64 };
 
 /* What is given out begins ALIGNMENT bytes after the block. */
 struct pe_arena_block {
@@ -102,7 +98,7 @@ static struct pe_arena_block *take_block(pe_arena *arena, const pe_allocator *al
         return block;
     }
     const size_t grown = round_up(arena->wanted / GROWTH);
-    const size_t least = grown < LEAST_BLOCK ? LEAST_BLOCK : grown;
+    const size_t least = grown < arena->least ? arena->least : grown;
     size = size < least ? least : size;
     block = allocator->allocate(allocator->context, ALIGNMENT + size);
     if (block != NULL) {
@@ -164,18 +160,16 @@ void pe_arena_rewind(pe_arena *arena, const pe_allocator *allocator, pe_arena_ma
 
 void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
 {
-    /* A quarter more than was needed, so that slow growth does not allocate at each step. Without
-     * memory for it the old blocks stay, and others are needed again. */
-    const size_t enough = round_up(arena->most + arena->most / 4);
-    const size_t capacity = arena->last != NULL ? arena->last->capacity : 0;
-    arena->idle = capacity > LEAST_BLOCK && capacity > enough + enough / 4 ? arena->idle + 1 : 0;
-    if (arena->last != NULL && (arena->most > capacity || arena->idle == MOST_IDLE)) {
-        arena->idle = 0;
-        struct pe_arena_block *block = take_block(arena, allocator, enough);
+    if (arena->last != NULL && arena->most > arena->last->capacity) {
+        /* A quarter more than was needed, so that slow growth does not allocate at each step. Without
+         * memory for it the old blocks stay, and others are needed again. */
+        const size_t most = arena->most + arena->most / 4, least = arena->least;
+        struct pe_arena_block *block = take_block(arena, allocator, round_up(most));
         if (block != NULL) {
             block->before = NULL;
             pe_arena_free(arena, allocator);
             arena->last = block;
+            arena->least = least;
         }
     }
     while (arena->last != NULL && arena->last->before != NULL) {

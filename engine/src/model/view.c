@@ -1,5 +1,8 @@
 #include "view.h"
 
+/* A view begins with tasks of many small islands, for each of which its arena is rewound. */
+enum { LEAST_BLOCK = 16384 };
+
 void pe_views_open(pe_world *world)
 {
     for (int i = 0; world->views != NULL && i < pe_pool_threads(world->pool); ++i) {
@@ -16,6 +19,7 @@ void pe_views_open(pe_world *world)
         view->apart_count = 0;
         view->previous.manifold_count = view->previous.point_count = 0;
         pe_arena_reset(&view->arena, &view->allocator);
+        view->arena.least = LEAST_BLOCK;
     }
 }
 
