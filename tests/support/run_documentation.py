@@ -103,7 +103,7 @@ def prepared(command):
     return command
 
 
-def run_page(page, source, environment):
+def run_page(page, source, build, environment):
     failures = count = 0
     with open(os.path.join(source, page), encoding="utf-8") as file:
         text = file.read()
@@ -114,6 +114,8 @@ def run_page(page, source, environment):
     for name in os.listdir(source) if page not in TEMPLATES else ():
         if not name.startswith(".") and not name.startswith("build") and name != "report":
             os.symlink(os.path.join(source, name), os.path.join(folder, name))
+    os.mkdir(os.path.join(folder, "build"))
+    os.symlink(build, os.path.join(folder, "build", "tests"))
     for number, kind, what in commands(text):
         where = f"{page}:{number}"
         if kind == "file":
@@ -158,7 +160,7 @@ def main():
                        BUILD=build, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     total = failures = 0
     for page in pages:
-        count, failed = run_page(page, source, environment)
+        count, failed = run_page(page, source, build, environment)
         total += count
         failures += failed
     shutil.rmtree(programs)
