@@ -1,4 +1,5 @@
 /* The tree of boxes against all pairs. */
+#include "base/pool.h"
 #include "base/vec3.h"
 #include "broad_phase/aabb_tree.h"
 #include "check.h"
@@ -201,6 +202,61 @@ static void test_failed_update_can_be_repeated(void **state)
     assert_int_equal(c.living, 0);
 }
 
+static bool are_same_nodes(const pe_tree_node *a, const pe_tree_node *b)
+{
+    return memcmp(&a->box, &b->box, sizeof a->box) == 0 && a->parent == b->parent &&
+           a->child[0] == b->child[0] && a->child[1] == b->child[1] && a->height == b->height &&
+           a->marked == b->marked;
+}
+
+/* From 2048 subtrees on threads build together: all of a tree, and the part that changes have marked. */
+static void test_threads_build_the_same_tree(void **state)
+{
+    (void)state;
+    enum { MANY = 20000, FEW = 2400, ROUNDS = 3 };
+    check_random random = {35};
+    const pe_allocator allocator = pe_allocator_default();
+    pe_world_def def = pe_world_def_default();
+    pe_tree trees[2] = {{.root = 0}, {.root = 0}};
+    pe_arena arena = {0};
+    pe_pool *pool;
+    def.threads = 3;
+    assert_int_equal(pe_pool_create(&def, &allocator, &pool, NULL), PE_OK);
+    for (int round = 0; round < ROUNDS; ++round) {
+        const int changes = round == 1 ? FEW : MANY;
+        for (int i = 0; i < changes; ++i) {
+            const int item = 1 + (round == 1 ? i * 8 : i);
+            const pe_aabb box = random_box(&random);
+            for (int t = 0; t < 2; ++t) {
+                if (round == 0) {
+                    assert_int_equal(pe_tree_add(&trees[t], &allocator, item, &box, NULL), PE_OK);
+                } else {
+                    pe_tree_set_box(&trees[t], item, &box);
+                    pe_tree_mark(&trees[t], item);
+                }
+            }
+        }
+        for (int t = 0; t < 2; ++t) {
+            const pe_workspace work = {&arena, &allocator, t == 0 ? NULL : pool};
+            assert_int_equal(pe_tree_update(&trees[t], work, NULL), PE_OK);
+        }
+        assert_int_equal(trees[0].root, trees[1].root);
+        assert_int_equal(trees[0].node_count, trees[1].node_count);
+        for (int i = 1; i <= trees[0].node_count; ++i) {
+            const pe_tree_node *a = trees[0].node_array.items, *b = trees[1].node_array.items;
+            assert_true(are_same_nodes(&a[i], &b[i]));
+        }
+        for (int t = 0; t < 2; ++t) {
+            pe_tree_unmark(&trees[t]);
+        }
+    }
+    for (int t = 0; t < 2; ++t) {
+        pe_tree_free(&trees[t], &allocator);
+    }
+    pe_pool_destroy(pool, &allocator);
+    pe_arena_free(&arena, &allocator);
+}
+
 /* (a, b) in order, also where one slot has nearly all of them. */
 static void test_pairs_are_sorted_by_both_slots(void **state)
 {
@@ -230,6 +286,7 @@ int main(void)
         cmocka_unit_test(test_tree_height_stays_low_for_hard_boxes),
         cmocka_unit_test(test_height_and_nodes_stay_bounded_under_single_moves),
         cmocka_unit_test(test_failed_update_can_be_repeated),
+        cmocka_unit_test(test_threads_build_the_same_tree),
         cmocka_unit_test(test_pairs_are_sorted_by_both_slots),
     };
     return cmocka_run_group_tests_name("engine_aabb_tree", tests, NULL, NULL);
