@@ -356,13 +356,14 @@ static void check_step_leaks(pl_probe *p)
 /* Steps of a program are timed by itself. What it reports of some steps is compared with what the
  * operating system counted for them, less the same number of requests for the state alone. In most
  * batches a runtime may compile or collect garbage in other threads; a report that is far too low is
- * so in all of them. */
+ * so in all of them. Single batches may also seem long because other programs had the processor: unless
+ * half of them are, there is nothing to compare. */
 static void check_reported_time(pl_probe *p)
 {
     enum { BATCH = 50, BATCHES = 20 };
     const double clear = 1e-3; /* s: less is not told from the requests for the state */
     double best = 0;
-    bool is_clear = false;
+    int clear_batches = 0;
     pl_error error = {.message = ""};
     if (p->choice->engine->command == NULL) {
         pl_probe_skip(p, "the harness itself measures engines in its own process");
@@ -381,13 +382,13 @@ static void check_reported_time(pl_probe *p)
         const double states = pl_process_engine_times().all - between.all;
         if (steps - states > clear) {
             best = fmax(best, (between.steps - before.steps) / (steps - states));
-            is_clear = true;
+            clear_batches += 1;
         }
     }
     char found[PL_CHECK_TEXT_SIZE];
     snprintf(found, sizeof found, "%.2g of it", best);
     pl_probe_require(
-        p, !is_clear || best >= 0.5,
+        p, 2 * clear_batches < BATCHES || best >= 0.5,
         "the reported CPU time is at least half of what steps take beyond requests for "
         "the state",
         found, "the CPU time around the engine's own step, in all threads and in seconds");

@@ -475,20 +475,20 @@ static pe_status update_fat_pairs(pe_world *world, pe_error *error)
 enum { PAIR_GRAIN = 1024 };
 
 /* A choice among pairs. */
-typedef struct sieve {
+typedef struct pair_filter {
     const pe_world *world;
-    bool (*keeps)(const struct sieve *s, pe_pair pair);
+    bool (*keeps)(const struct pair_filter *s, pe_pair pair);
     const bool *moved;  /* (slots): see pe_broad_phase */
     const int *resting; /* pe_resting_of the world */
     const pe_pair *from;
     pe_pair *to;
     int *counts; /* kept of each piece, which lists them where it begins */
-} sieve;
+} pair_filter;
 
-static void sift_piece(void *context, int worker, int begin, int end)
+static void filter_piece(void *context, int worker, int begin, int end)
 {
     (void)worker;
-    const sieve *s = context;
+    const pair_filter *s = context;
     pe_pair *to = s->to + begin;
     int count = 0;
     for (int i = begin; i < end; ++i) {
@@ -500,14 +500,15 @@ static void sift_piece(void *context, int worker, int begin, int end)
 }
 
 /* Lists the pairs that s->keeps, in the same order, in s->to (count), and counts them. */
-static pe_status sift(pe_world *world, sieve *s, int count, int *kept, pe_error *error)
+static pe_status filter_pairs(pe_world *world, pair_filter *s, int count, int *kept,
+                              pe_error *error)
 {
     const int pieces = pe_piece_count(count, PAIR_GRAIN);
     s->counts = pe_scratch(world, (size_t)pieces + 1, sizeof *s->counts);
     if (s->counts == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", count);
     }
-    pe_pool_run(world->pool, count, PAIR_GRAIN, sift_piece, s);
+    pe_pool_run(world->pool, count, PAIR_GRAIN, filter_piece, s);
     *kept = 0;
     for (int i = 0; i < pieces; ++i) {
         memmove(s->to + *kept, s->to + i * PAIR_GRAIN, (size_t)s->counts[i] * sizeof *s->to);
@@ -516,7 +517,7 @@ static pe_status sift(pe_world *world, sieve *s, int count, int *kept, pe_error 
     return PE_OK;
 }
 
-static bool overlap_tightly(const sieve *s, pe_pair pair)
+static bool overlap_tightly(const pair_filter *s, pe_pair pair)
 {
     const pe_world *world = s->world;
     const pe_proxy *a = &proxies_of(world->broad)[pair.a], *b = &proxies_of(world->broad)[pair.b];
@@ -533,11 +534,11 @@ static pe_status update_tight_pairs(pe_world *world, pe_error *error)
     pe_status status = pe_array_reserve(&broad->tight_array, &world->allocator, sizeof(pe_pair),
                                         (size_t)broad->fat_count, 0, error);
     if (status == PE_OK) {
-        sieve s = {.world = world,
-                   .keeps = overlap_tightly,
-                   .from = broad->fat_array.items,
-                   .to = broad->tight_array.items};
-        status = sift(world, &s, broad->fat_count, &broad->tight_count, error);
+        pair_filter s = {.world = world,
+                         .keeps = overlap_tightly,
+                         .from = broad->fat_array.items,
+                         .to = broad->tight_array.items};
+        status = filter_pairs(world, &s, broad->fat_count, &broad->tight_count, error);
         broad->tight_changed = status != PE_OK;
     }
     return status;
@@ -562,7 +563,7 @@ static pe_status update_pairs(pe_world *world, double dt, pe_error *error)
 }
 
 /* Whether a body has moved, if that is asked, and one is neither static nor at rest. */
-static bool is_active(const sieve *s, pe_pair pair)
+static bool is_active(const pair_filter *s, pe_pair pair)
 {
     if (s->moved != NULL && !s->moved[pair.a] && !s->moved[pair.b]) {
         return false;
@@ -583,14 +584,14 @@ pe_status pe_broad_phase(pe_world *world, double dt, const bool *moved, pe_pair_
     const int count = world->rest->movable_count > 0 ? world->broad->tight_count : 0;
     pairs->items = world->broad->tight_array.items;
     pairs->count = pairs->capacity = count;
-    sieve s = {.world = world,
-               .keeps = is_active,
-               .moved = moved,
-               .resting = pe_resting_of(world),
-               .from = pairs->items};
+    pair_filter s = {.world = world,
+                     .keeps = is_active,
+                     .moved = moved,
+                     .resting = pe_resting_of(world),
+                     .from = pairs->items};
     if (moved != NULL || s.resting != NULL) {
         s.to = pairs->items = pe_scratch(world, (size_t)count + 1, sizeof *pairs->items);
-        status = s.to != NULL ? sift(world, &s, count, &pairs->count, error)
+        status = s.to != NULL ? filter_pairs(world, &s, count, &pairs->count, error)
                               : pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", count);
     }
     return status;
