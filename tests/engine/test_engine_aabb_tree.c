@@ -55,7 +55,7 @@ static void change(forest *f, int item, check_random *random)
 static void find(forest *f, char (*listed)[ITEMS])
 {
     pe_arena_reset(&f->arena, &f->allocator);
-    pe_pair_list pairs = {.work = {&f->arena, &f->allocator}};
+    pe_pair_list pairs = {.work = {&f->arena, &f->allocator, NULL}};
     assert_int_equal(pe_tree_update(&f->tree, pairs.work, NULL), PE_OK);
     pe_node_pair starts[PE_MOST_STARTS];
     const int count = pe_tree_query_starts(&f->tree, &f->tree, PE_MOST_STARTS, starts);
@@ -263,7 +263,7 @@ static void test_pairs_are_sorted_by_both_slots(void **state)
     (void)state;
     pe_allocator allocator = pe_allocator_default();
     pe_arena arena = {0};
-    pe_pair_list pairs = {.work = {&arena, &allocator}};
+    pe_pair_list pairs = {.work = {&arena, &allocator, NULL}};
     for (int i = 0; i < 5000; ++i) {
         int b = 1 + i * 3571 % 4999;
         assert_int_equal(
