@@ -45,8 +45,8 @@ double pe_spin_speed(const pe_world *world, int slot);
 /* The slack of pe_pair_margin, in m: the contact margin plus dt^2 times gravity. */
 double pe_margin_slack(const pe_world *world, double dt);
 
-/* All pairs with an active body whose gap may be below their margin, and few others, sorted by (a, b), in
- * the step's arena. With `moved` (slot_count) not NULL only the pairs with a body flagged there. Pairs are
+/* All pairs with an active body whose gap may be below their margin, and few others, sorted by (a, b), valid
+ * until the next call, and not to be added to. With `moved` (slot_count) not NULL only the pairs with a body flagged there. Pairs are
  * kept from call to call, so that bodies at rest cost next to nothing. After PE_NO_MEMORY the next
  * call finds what this one did not. */
 pe_status pe_broad_phase(pe_world *world, double dt, const bool *moved, pe_pair_list *pairs,

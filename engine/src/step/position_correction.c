@@ -86,8 +86,7 @@ static double way_left(const pe_correction *c, int slot)
     return pe_max(0, pe_correction_way(c, slot) - c->step->way[slot]);
 }
 
-/* The part, at most 1, of the displacements found by which no body moves too far; 0: they are not
- * finite. */
+/* What part_of finds, by pieces of the bodies. */
 typedef struct parting {
     const pe_correction *c;
     const pe_island_problem *built;
@@ -107,6 +106,8 @@ static void find_parts(void *context, int worker, int begin, int end)
     p->part[begin / p->grain] = part;
 }
 
+/* The part, at most 1, of the displacements found by which no body moves too far; 0: they are not
+ * finite. */
 static double part_of(const pe_correction *c, const pe_island_problem *built)
 {
     const int bodies = built->problem.body_count;
