@@ -132,7 +132,7 @@ static void number_blocks(const draft *d)
 /* ---- Layout ---- */
 
 /* The gap of a lane without a point: it never closes. */
-static const double FAR_AWAY = 1e300;
+#define FAR_AWAY 1e300
 
 static void fill_manifold(const pe_problem *problem, const pe_solver_manifold *manifold,
                           pe_sweep_block *block, int lane)
@@ -153,34 +153,30 @@ static void fill_manifold(const pe_problem *problem, const pe_solver_manifold *m
     }
 }
 
-static void fill_point(const pe_sweep *sweep, int j, pe_sweep_point *point, int lane)
+/* Fills a lane of point `to` from point j of the problem; j < 0: the lane has none. */
+static void fill_point(const pe_sweep *sweep, int to, int lane, int j)
 {
-    const pe_solver_point *from = &sweep->problem->point[j];
-    const double *p = sweep->problem->impulse[j];
-    for (int k = 0; k < 3; ++k) {
-        point->s[k][lane] = from->s[k];
-    }
+    static const pe_solver_point NO_POINT = {.bias = FAR_AWAY};
+    static const double NO_IMPULSE[3] = {0};
+    const pe_solver_point *from = j < 0 ? &NO_POINT : &sweep->problem->point[j];
+    const double *p = j < 0 ? NO_IMPULSE : sweep->problem->impulse[j];
+    pe_sweep_point *point = &sweep->points[to];
+    point->s[0][lane] = from->s[1];
+    point->s[1][lane] = from->s[2];
     point->bias[lane] = from->bias;
-    point->inverse_wnn[lane] = 1;
-    for (int k = 0; k < (sweep->normals ? 1 : 3); ++k) {
-        point->impulse[k][lane] = p[k];
-        point->before[k][lane] = p[k];
+    point->inverse_wnn[lane] = j < 0 ? 0 : 1;
+    point->impulse[lane] = point->before[lane] = p[0];
+    if (sweep->normals) {
+        return;
     }
-    if (!sweep->normals) {
-        point->slip[0][lane] = from->slip[0];
-        point->slip[1][lane] = from->slip[1];
-        point->scale[lane] = from->scale;
+    pe_sweep_friction *friction = &sweep->frictions[to];
+    pe_sweep_extra *extra = &sweep->extras[to];
+    friction->s[lane] = from->s[0];
+    for (int k = 0; k < 2; ++k) {
+        friction->impulse[k][lane] = friction->before[k][lane] = p[1 + k];
+        extra->slip[k][lane] = from->slip[k];
     }
-}
-
-/* Makes a lane of one that has no point. */
-static void clear_point(pe_sweep_point *point, int lane)
-{
-    double *row = point->s[0] + lane;
-    for (size_t k = 0; k < sizeof *point / sizeof(pe_block_lanes); ++k) {
-        row[PE_BLOCK_LANES * k] = 0;
-    }
-    point->bias[lane] = FAR_AWAY;
+    extra->scale[lane] = from->scale;
 }
 
 /* Makes a lane of one that has no manifold. */
@@ -201,7 +197,6 @@ static void fill_blocks(void *context, int worker, int begin, int end)
     const pe_problem *problem = sweep->problem;
     for (int k = begin; k < end; ++k) {
         pe_sweep_block *block = &sweep->blocks[k];
-        pe_sweep_point *points = &sweep->points[block->first];
         for (int lane = 0; lane < PE_BLOCK_LANES; ++lane) {
             const int i = sweep->source[PE_BLOCK_LANES * k + lane];
             const pe_solver_manifold *manifold = &problem->manifold[i < 0 ? 0 : i];
@@ -212,11 +207,7 @@ static void fill_blocks(void *context, int worker, int begin, int end)
                 fill_manifold(problem, manifold, block, lane);
             }
             for (int j = 0; j < block->count; ++j) {
-                if (j < count) {
-                    fill_point(sweep, manifold->first + j, &points[j], lane);
-                } else {
-                    clear_point(&points[j], lane);
-                }
+                fill_point(sweep, block->first + j, lane, j < count ? manifold->first + j : -1);
             }
         }
         sweep->kernel->prepare(sweep, k, k + 1);
@@ -235,6 +226,15 @@ static void fill_bodies(const pe_sweep *sweep)
     }
 }
 
+static bool has_slip(const pe_problem *problem)
+{
+    bool found = false;
+    for (int j = 0; j < problem->point_count && !found; ++j) {
+        found = problem->point[j].slip[0] != 0 || problem->point[j].slip[1] != 0;
+    }
+    return found;
+}
+
 /* Takes the arrays whose sizes follow from the number of blocks, and then from that of points. */
 static bool take_blocks(pe_workspace work, pe_sweep *sweep)
 {
@@ -249,8 +249,14 @@ static bool take_blocks(pe_workspace work, pe_sweep *sweep)
 
 static bool take_points(pe_workspace work, pe_sweep *sweep)
 {
-    sweep->points = pe_take(work, (size_t)sweep->point_count + 1, sizeof *sweep->points);
-    return sweep->points != NULL;
+    const size_t points = (size_t)sweep->point_count + 1;
+    sweep->points = pe_take(work, points, sizeof *sweep->points);
+    if (!sweep->normals) {
+        sweep->frictions = pe_take(work, points, sizeof *sweep->frictions);
+        sweep->extras = pe_take(work, points, sizeof *sweep->extras);
+    }
+    return sweep->points != NULL &&
+           (sweep->normals || (sweep->frictions != NULL && sweep->extras != NULL));
 }
 
 static pe_status create(const pe_problem *problem, const bool *chosen, bool normals,
@@ -285,6 +291,7 @@ static pe_status create(const pe_problem *problem, const bool *chosen, bool norm
         goto no_memory;
     }
     fill_bodies(sweep);
+    sweep->has_slip = !normals && has_slip(problem);
     pe_pool_run(problem->pool, sweep->block_count, FILL_GRAIN, fill_blocks, sweep);
     memset(sweep->beta, 0, bodies * sizeof *sweep->beta);
     return PE_OK;

@@ -7,7 +7,7 @@
  *
  * A manifold is swept in its relative twist q = T v (problem.h): its points change q through E = T
  * M^-1 T^T, six by six, and only the sum of their impulses goes back to the bodies. For four points
- * that takes 216 bytes a point, where rows of the Jacobian take 360.
+ * that takes 208 bytes a point, where rows of the Jacobian take 360.
  *
  * With momentum, z is what a sweep leaves and y = z + beta (z - z_before) is where the next one
  * starts; z lies in the cones, y need not.
@@ -41,9 +41,10 @@ typedef struct pe_sweep_block {
     _Alignas(64) pe_block_lanes normal[3], tangent[3];
     pe_block_lanes arm_a[3], arm_b[3];
     pe_block_lanes inverse_inertia_a[6], inverse_inertia_b[6];
-    pe_block_lanes linear[6], mixed[9], angular[6]; /* E: two symmetric blocks, one full */
     pe_block_lanes friction;
-    pe_block_lanes beta; /* of the manifold's part */
+    pe_block_lanes beta;        /* of the manifold's part */
+    pe_block_lanes e_normal[6]; /* E of the velocity along n and the spins about t1 and t2 */
+    pe_block_lanes e_other[15]; /* the rest of E; not filled with `normals` */
 } pe_sweep_block;
 
 /* A part of a problem: ranges of its bodies and manifolds. */
@@ -51,17 +52,29 @@ typedef struct pe_sweep_part {
     int body, body_count, manifold, manifold_count;
 } pe_sweep_part;
 
-/* The k-th points of eight manifolds. Lanes whose manifold has fewer points never touch. */
+/* The k-th points of eight manifolds: what their normal impulses need. Lanes whose manifold has fewer
+ * points never touch. */
 typedef struct pe_sweep_point {
-    pe_block_lanes s[3], bias, slip[2];
-    pe_block_lanes
-        inverse_wnn; /* of W = J M^-1 J^T of the point, kg; 0 in a lane without a point */
+    _Alignas(64) pe_block_lanes s[2]; /* s along t1 and t2 */
+    pe_block_lanes bias;
+    pe_block_lanes impulse;     /* z */
+    pe_block_lanes before;      /* z of the sweep before */
+    pe_block_lanes inverse_wnn; /* of W = J M^-1 J^T, kg; 0 in a lane without a point */
     pe_block_lanes inverse_wtt; /* of the larger eigenvalue of W's tangential block */
-    pe_block_lanes wn1, wn2;    /* W's coupling of n with t1 and t2, 1/kg */
-    pe_block_lanes impulse[3];  /* z */
-    pe_block_lanes before[3];   /* z of the sweep before */
-    pe_block_lanes scale;       /* as in pe_solver_point */
 } pe_sweep_point;
+
+/* What their friction needs besides. */
+typedef struct pe_sweep_friction {
+    _Alignas(64) pe_block_lanes s; /* along n */
+    pe_block_lanes impulse[2];
+    pe_block_lanes before[2];
+    pe_block_lanes wn[2]; /* W's coupling of n with t1 and t2, 1/kg */
+} pe_sweep_friction;
+
+/* What sweeps seldom read, or only their residuals; 0 in a lane without a point. */
+typedef struct pe_sweep_extra {
+    pe_block_lanes slip[2], scale; /* as in pe_solver_point */
+} pe_sweep_extra;
 
 /* Blocks of a piece, in sums over all blocks. */
 enum { PE_SUM_GRAIN = 128 };
@@ -70,10 +83,13 @@ enum { PE_SUM_GRAIN = 128 };
 typedef struct pe_sweep {
     const pe_problem *problem;
     const struct pe_sweep_kernel *kernel;
-    bool normals; /* only normal impulses are swept; rows that they do not need are not filled */
+    bool normals; /* only normal impulses are swept; what they do not need is not filled */
     int block_count, point_count;
     pe_sweep_block *blocks;
     pe_sweep_point *points;
+    pe_sweep_friction *frictions; /* (point_count); none with `normals` */
+    pe_sweep_extra *extras;       /* the same */
+    bool has_slip;                /* any point's is not 0 */
     pe_stages stages;
     pe_solver_body *velocity; /* (body_count + 1): of z; world axes */
     pe_solver_body *before;   /* (body_count + 1): of z of the sweep before */

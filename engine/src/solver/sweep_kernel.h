@@ -51,7 +51,9 @@ PE_INLINE void symmetric_times(const wide m[6], const wide x[3], wide y[3])
 /* The lanes of a block that are swept at once, from `lane` on. */
 typedef struct group {
     pe_sweep_block *block;
-    pe_sweep_point *points; /* of the block */
+    pe_sweep_point *points;       /* of the block */
+    pe_sweep_friction *frictions; /* the same; NULL with `normals` */
+    const pe_sweep_extra *extras; /* the same; NULL where no point has slip */
     int lane;
     wide_pair p;
     wide frame[3][3]; /* rows n, t1, t2 */
@@ -69,6 +71,8 @@ PE_INLINE void load_group(const pe_sweep *sweep, int index, group *g)
     pe_sweep_block *block = &sweep->blocks[index * PE_WIDTH / PE_BLOCK_LANES];
     g->block = block;
     g->points = &sweep->points[block->first];
+    g->frictions = sweep->normals ? NULL : &sweep->frictions[block->first];
+    g->extras = sweep->has_slip ? &sweep->extras[block->first] : NULL;
     g->lane = lane;
     wide_load_pair(sweep->velocity, block->a + lane, block->b + lane, &g->p);
     load_rows(block->normal[0], lane, 3, g->frame[0]);
@@ -137,6 +141,13 @@ PE_INLINE bool are_independent(const pe_sweep *sweep, int index)
     return sweep->blocks[next].colour == sweep->blocks[block].colour;
 }
 
+/* s of point j of the group. */
+PE_INLINE void load_place(const group *g, int j, bool normals, wide s[3])
+{
+    s[0] = normals ? wide_of(0) : load(g->frictions[j].s + g->lane);
+    load_rows(g->points[j].s[0], g->lane, 2, s + 1);
+}
+
 /* J v of a point at s, by the twist. */
 PE_INLINE void velocity_at(const wide q[6], const wide s[3], wide u[3])
 {
@@ -146,14 +157,15 @@ PE_INLINE void velocity_at(const wide q[6], const wide s[3], wide u[3])
     }
 }
 
-/* J v + b of a point at s. */
-PE_INLINE void contact_velocity(const pe_sweep_point *point, int lane, const wide q[6],
-                                const wide s[3], wide u[3])
+/* J v + b of point j, at s. */
+PE_INLINE void contact_velocity(const group *g, int j, const wide s[3], wide u[3])
 {
-    velocity_at(q, s, u);
-    u[0] = u[0] + load(point->bias + lane);
-    u[1] = u[1] + load(point->slip[0] + lane);
-    u[2] = u[2] + load(point->slip[1] + lane);
+    velocity_at(g->q, s, u);
+    u[0] = u[0] + load(g->points[j].bias + g->lane);
+    if (g->extras != NULL) {
+        u[1] = u[1] + load(g->extras[j].slip[0] + g->lane);
+        u[2] = u[2] + load(g->extras[j].slip[1] + g->lane);
+    }
 }
 
 /* The wrench of an impulse at s. */
@@ -173,9 +185,27 @@ typedef struct coupling {
 /* Reads E of the manifolds of a group. */
 PE_INLINE void load_coupling(const pe_sweep_block *block, int lane, coupling *e)
 {
-    load_rows(block->linear[0], lane, 6, e->linear);
-    load_rows(block->mixed[0], lane, 9, e->mixed);
-    load_rows(block->angular[0], lane, 6, e->angular);
+    load_rows(block->e_normal[0], lane, 1, e->linear);
+    load_rows(block->e_normal[1], lane, 2, e->mixed + 1);
+    load_rows(block->e_normal[3], lane, 3, e->angular + 3);
+    load_rows(block->e_other[0], lane, 5, e->linear + 1);
+    load_rows(block->e_other[5], lane, 1, e->mixed);
+    load_rows(block->e_other[6], lane, 6, e->mixed + 3);
+    load_rows(block->e_other[12], lane, 3, e->angular);
+}
+
+/* The inverse of load_coupling. */
+PE_INLINE void store_coupling(pe_sweep_block *block, int lane, bool normals, const coupling *e)
+{
+    store_rows(block->e_normal[0], lane, 1, e->linear);
+    store_rows(block->e_normal[1], lane, 2, e->mixed + 1);
+    store_rows(block->e_normal[3], lane, 3, e->angular + 3);
+    if (!normals) {
+        store_rows(block->e_other[0], lane, 5, e->linear + 1);
+        store_rows(block->e_other[5], lane, 1, e->mixed);
+        store_rows(block->e_other[6], lane, 6, e->mixed + 3);
+        store_rows(block->e_other[12], lane, 3, e->angular);
+    }
 }
 
 /* The change of the twist by a wrench: E times the wrench. */
@@ -227,10 +257,12 @@ PE_INLINE void add_coupling(const wide frame[3][3], const wide inverse_inertia[6
 
 /* W = J M^-1 J^T of a point. Its columns are the velocities by unit impulses along n, t1 and t2; with
  * `normals` the first one is enough. */
-PE_INLINE void prepare_point(pe_sweep_point *point, int lane, bool normals, const coupling *e)
+PE_INLINE void prepare_point(const group *g, int j, bool normals, const coupling *e)
 {
+    pe_sweep_point *point = &g->points[j];
+    const int lane = g->lane;
     wide s[3], w[3][3];
-    load_rows(point->s[0], lane, 3, s);
+    load_place(g, j, normals, s);
     for (int k = 0; k < (normals ? 1 : 3); ++k) {
         wide unit[3] = {wide_of(k == 0), wide_of(k == 1), wide_of(k == 2)}, wrench[6], change[6];
         wrench_of(s, unit, wrench);
@@ -245,8 +277,8 @@ PE_INLINE void prepare_point(pe_sweep_point *point, int lane, bool normals, cons
     wide half = wide_of(0.5) * (w[1][1] - w[2][2]);
     wide largest = wide_of(0.5) * (w[1][1] + w[2][2]) + wide_sqrt(half * half + w[1][2] * w[1][2]);
     store(point->inverse_wtt + lane, present * wide_inverse(largest));
-    store(point->wn1 + lane, w[0][1]);
-    store(point->wn2 + lane, w[0][2]);
+    store(g->frictions[j].wn[0] + lane, w[0][1]);
+    store(g->frictions[j].wn[1] + lane, w[0][2]);
 }
 
 static void sweep_prepare(pe_sweep *sweep, int begin, int end)
@@ -263,11 +295,9 @@ static void sweep_prepare(pe_sweep *sweep, int begin, int end)
         load_rows(g.block->inverse_inertia_b[0], g.lane, 6, iB);
         add_coupling((const wide(*)[3])g.frame, iA, g.rA, g.p.mA, &e);
         add_coupling((const wide(*)[3])g.frame, iB, g.rB, g.p.mB, &e);
-        store_rows(g.block->linear[0], g.lane, 6, e.linear);
-        store_rows(g.block->mixed[0], g.lane, 9, e.mixed);
-        store_rows(g.block->angular[0], g.lane, 6, e.angular);
+        store_coupling(g.block, g.lane, sweep->normals, &e);
         for (int j = 0; j < g.block->count; ++j) {
-            prepare_point(&g.points[j], g.lane, sweep->normals, &e);
+            prepare_point(&g, j, sweep->normals, &e);
         }
     }
 }
@@ -277,12 +307,12 @@ static void sweep_prepare(pe_sweep *sweep, int begin, int end)
 /* Squares below this are taken to be this, so that no impulse is divided by zero. */
 static const double TINY_SQUARE = 1e-300;
 
-/* y = z + beta (z - z_before) of component k of a point's impulse. */
-PE_INLINE wide extrapolated_impulse(pe_sweep_point *point, int k, int lane, wide beta)
+/* y = z + beta (z - z_before) of a component of the impulse. */
+PE_INLINE wide extrapolated(const double *impulse, double *before, wide beta)
 {
-    wide z = load(point->impulse[k] + lane);
-    wide y = z + beta * (z - load(point->before[k] + lane));
-    store(point->before[k] + lane, z);
+    wide z = load(impulse);
+    wide y = z + beta * (z - load(before));
+    store(before, z);
     return y;
 }
 
@@ -296,17 +326,19 @@ PE_INLINE void solve_cone(int j, group *g)
         return;
     }
     pe_sweep_point *point = &g->points[j];
+    pe_sweep_friction *friction = &g->frictions[j];
     wide s[3], y[3], u[3];
-    load_rows(point->s[0], lane, 3, s);
-    for (int k = 0; k < 3; ++k) {
-        y[k] = extrapolated_impulse(point, k, lane, g->beta);
+    load_place(g, j, false, s);
+    y[0] = extrapolated(point->impulse + lane, point->before + lane, g->beta);
+    for (int k = 0; k < 2; ++k) {
+        y[1 + k] = extrapolated(friction->impulse[k] + lane, friction->before[k] + lane, g->beta);
     }
-    contact_velocity(point, lane, g->q, s, u);
+    contact_velocity(g, j, s, u);
     wide pn = wide_max(y[0] - u[0] * load(point->inverse_wnn + lane), wide_of(0));
     wide dn = pn - y[0];
     /* The slip with the new normal impulse. */
-    wide u1 = u[1] + load(point->wn1 + lane) * dn;
-    wide u2 = u[2] + load(point->wn2 + lane) * dn;
+    wide u1 = u[1] + load(friction->wn[0] + lane) * dn;
+    wide u2 = u[2] + load(friction->wn[1] + lane) * dn;
     wide mass = load(point->inverse_wtt + lane);
     wide p1 = y[1] - u1 * mass, p2 = y[2] - u2 * mass;
     wide square = wide_max(p1 * p1 + p2 * p2, wide_of(TINY_SQUARE));
@@ -314,9 +346,9 @@ PE_INLINE void solve_cone(int j, group *g)
     shrink = wide_select(shrink, wide_of(1), wide_of(1), shrink);
     p1 = p1 * shrink;
     p2 = p2 * shrink;
-    store(point->impulse[0] + lane, pn);
-    store(point->impulse[1] + lane, p1);
-    store(point->impulse[2] + lane, p2);
+    store(point->impulse + lane, pn);
+    store(friction->impulse[0] + lane, p1);
+    store(friction->impulse[1] + lane, p2);
 
     wide change[3] = {dn, p1 - y[1], p2 - y[2]}, wrench[6];
     wrench_of(s, change, wrench);
@@ -351,16 +383,13 @@ PE_INLINE void apply_cones(pe_sweep *sweep, group *g)
  * for these three: */
 PE_INLINE void load_normal_coupling(group *g)
 {
-    g->e[0] = load(g->block->linear[0] + g->lane);
-    g->e[1] = load(g->block->mixed[1] + g->lane);
-    g->e[2] = load(g->block->mixed[2] + g->lane);
-    load_rows(g->block->angular[3], g->lane, 3, g->e + 3);
+    load_rows(g->block->e_normal[0], g->lane, 6, g->e);
 }
 
 /* Normal component of J v + b of a point (m/s), by the twist. */
 PE_INLINE wide normal_velocity_at(const pe_sweep_point *point, int lane, const wide q[6])
 {
-    wide s1 = load(point->s[1] + lane), s2 = load(point->s[2] + lane);
+    wide s1 = load(point->s[0] + lane), s2 = load(point->s[1] + lane);
     return (q[0] + (q[4] * s2 - q[5] * s1)) + load(point->bias + lane);
 }
 
@@ -372,12 +401,13 @@ PE_INLINE void solve_normal(int j, group *g)
         return;
     }
     pe_sweep_point *point = &g->points[j];
-    wide y = extrapolated_impulse(point, 0, lane, g->beta);
+    wide y = extrapolated(point->impulse + lane, point->before + lane, g->beta);
     wide un = normal_velocity_at(point, lane, g->q);
-    wide pn = wide_max(y - un * load(point->inverse_wnn + lane), wide_of(0)), dn = pn - y;
-    store(point->impulse[0] + lane, pn);
-    wide wrench[3] = {dn, load(point->s[2] + lane) * dn,
-                      wide_of(0) - load(point->s[1] + lane) * dn};
+    wide pn = wide_max(y - un * load(point->inverse_wnn + lane), wide_of(0));
+    wide dn = pn - y;
+    store(point->impulse + lane, pn);
+    wide wrench[3] = {dn, load(point->s[1] + lane) * dn,
+                      wide_of(0) - load(point->s[0] + lane) * dn};
     wide change[3];
     symmetric_times(g->e, wrench, change);
     for (int k = 0; k < 3; ++k) {
@@ -509,15 +539,14 @@ static pe_violation sweep_violation(const pe_sweep *sweep, int begin, int end)
 }
 
 /* |P - P_K(P - u - mu |ut| n)| with P = w p: the scale w may go into P because K is a cone. */
-PE_INLINE wide point_residual(const pe_sweep_point *point, int lane, wide friction, const wide q[6])
+PE_INLINE wide point_residual(const group *g, int j, wide friction, wide scale)
 {
     wide s[3], u[3], p[3], z[3];
-    load_rows(point->s[0], lane, 3, s);
-    wide scale = load(point->scale + lane);
-    for (int k = 0; k < 3; ++k) {
-        p[k] = scale * load(point->impulse[k] + lane);
-    }
-    contact_velocity(point, lane, q, s, u);
+    load_place(g, j, false, s);
+    p[0] = scale * load(g->points[j].impulse + g->lane);
+    p[1] = scale * load(g->frictions[j].impulse[0] + g->lane);
+    p[2] = scale * load(g->frictions[j].impulse[1] + g->lane);
+    contact_velocity(g, j, s, u);
     z[0] = p[0] - (u[0] + friction * wide_sqrt(u[1] * u[1] + u[2] * u[2]));
     z[1] = p[1] - u[1];
     z[2] = p[2] - u[2];
@@ -543,7 +572,8 @@ static void sweep_residuals(const pe_sweep *sweep, int begin, int end)
         begin_group(&g);
         wide friction = load(g.block->friction + g.lane);
         for (int j = 0; j < g.block->count; ++j) {
-            most = wide_max(point_residual(&g.points[j], g.lane, friction, g.q), most);
+            wide scale = load(sweep->extras[g.block->first + j].scale + g.lane);
+            most = wide_max(point_residual(&g, j, friction, scale), most);
         }
         store(sweep->worst[g.block - sweep->blocks] + g.lane, most);
     }

@@ -138,9 +138,10 @@ static void store_manifolds(void *context, int worker, int begin, int end)
         int lane = sweep->place[i] % PE_BLOCK_LANES;
         int first = sweep->blocks[sweep->place[i] / PE_BLOCK_LANES].first;
         for (int j = 0; j < manifold->count; ++j) {
-            for (int k = 0; k < (sweep->normals ? 1 : 3); ++k) {
-                problem->impulse[manifold->first + j][k] =
-                    sweep->points[first + j].impulse[k][lane];
+            double *impulse = problem->impulse[manifold->first + j];
+            impulse[0] = sweep->points[first + j].impulse[lane];
+            for (int k = 0; k < 2 && !sweep->normals; ++k) {
+                impulse[1 + k] = sweep->frictions[first + j].impulse[k][lane];
             }
         }
     }
