@@ -19,6 +19,9 @@ static const double REACHED = 0.3;
 /* In units of the deepest penetration of its island: a gap that no push closes. */
 static const double FAR = 4;
 
+/* A larger part of an island is swept as the whole of it. */
+static const double MOST_CHOSEN = 0.5;
+
 /* ---- The problem ---- */
 
 /* The most depth that a contact asks to be removed, in m. */
@@ -162,7 +165,7 @@ static void list_near(pe_correction *c, int k)
 typedef struct choice {
     const pe_correction *c;
     const pe_island_problem *built;
-    bool *chosen; /* (manifolds) */
+    bool *chosen; /* (manifolds); NULL: all of them, which nothing can be added to */
     const pe_solver_body *displacement;
     atomic_bool grown;
 } choice;
@@ -180,11 +183,22 @@ static void choose_manifolds(void *context, int worker, int begin, int end)
     }
 }
 
-/* Chooses the manifolds of active bodies. */
+/* Chooses the manifolds of active bodies; all of them, where these are most: then it costs less to
+ * sweep the others too than to lay out the problem again whenever the part grows. */
 static void choose_swept(choice *s)
 {
-    pe_pool_run(s->built->problem.pool, s->built->problem.manifold_count, CHOICE_GRAIN,
-                choose_manifolds, s);
+    const int count = s->built->problem.manifold_count;
+    if (s->chosen == NULL) {
+        return;
+    }
+    pe_pool_run(s->built->problem.pool, count, CHOICE_GRAIN, choose_manifolds, s);
+    int chosen = 0;
+    for (int i = 0; i < count; ++i) {
+        chosen += s->chosen[i];
+    }
+    if (chosen > MOST_CHOSEN * count) {
+        s->chosen = NULL;
+    }
 }
 
 static void activate_pushed(void *context, int worker, int begin, int end)
@@ -210,6 +224,9 @@ static bool activate_reached(choice *s, const pe_solver_body *displacement)
 {
     s->displacement = displacement;
     s->grown = false;
+    if (s->chosen == NULL) {
+        return false;
+    }
     pe_pool_run(s->built->problem.pool, s->built->problem.body_count, CHOICE_GRAIN, activate_pushed,
                 s);
     return s->grown;
@@ -277,7 +294,7 @@ pe_status pe_correction_sweep(pe_correction *c, int k, pe_island_problem *built,
         choose_swept(&s);
     }
     pe_problem_rebuild_velocity(&built->problem);
-    *better = status == PE_OK && pe_correction_is_better(&built->problem, chosen);
+    *better = status == PE_OK && pe_correction_is_better(&built->problem, s.chosen);
     c->iterations = sweeps > c->iterations ? sweeps : c->iterations;
     return status;
 }
