@@ -1,5 +1,6 @@
 /* Memory: nothing allocated after warm-up, nothing lost when an allocation fails, nothing accepted
  * that the interface forbids. */
+#include "base/memory.h"
 #include "base/vec3.h"
 #include "check.h"
 #include "counting_allocator.h"
@@ -23,6 +24,48 @@ static void test_a_resting_scene_allocates_nothing_after_warm_up(void **state)
     pe_body_id ids[8];
     add_tower(world, 8, (pe_material_id){0}, ids);
     check_allocates_nothing(world, &c, 10, 200);
+}
+
+/* Takes memory as 200 steps would: in each one block, of which the arena keeps what it needs. */
+static size_t capacity_after(pe_arena *arena, const pe_allocator *allocator, size_t size)
+{
+    for (int i = 0; i < 200; ++i) {
+        assert_non_null(pe_arena_take(arena, allocator, size, 1));
+        pe_arena_reset(arena, allocator);
+    }
+    /* What can be taken without another block. */
+    const size_t piece = 64;
+    size_t taken = 0;
+    assert_non_null(pe_arena_take(arena, allocator, piece, 1));
+    const void *block = arena->last;
+    while (arena->last == block) {
+        taken += piece;
+        assert_non_null(pe_arena_take(arena, allocator, piece, 1));
+    }
+    pe_arena_reset(arena, allocator);
+    return taken;
+}
+
+static void test_arena_gives_back_what_was_long_unneeded(void **state)
+{
+    (void)state;
+    const size_t large = 16 << 20, small = 4 << 20, tiny = 1 << 10;
+    counter c = {.fail_at = -1};
+    const pe_allocator allocator = {count_allocate, count_release, &c};
+    pe_arena arena = {0};
+    assert_true(capacity_after(&arena, &allocator, large) >= large);
+    const size_t left = capacity_after(&arena, &allocator, small);
+    assert_true(left >= small && left < 2 * small);
+    /* A step that needs much now and then keeps it. */
+    assert_true(capacity_after(&arena, &allocator, large) >= large);
+    const int calls = c.calls;
+    for (int i = 0; i < 200; ++i) {
+        assert_non_null(pe_arena_take(&arena, &allocator, i % 50 == 0 ? large : tiny, 1));
+        pe_arena_reset(&arena, &allocator);
+    }
+    assert_int_equal(c.calls, calls);
+    pe_arena_free(&arena, &allocator);
+    assert_int_equal(c.living, 0);
 }
 
 /* Builds a small scene and makes some steps; returns the first failure. */
@@ -186,6 +229,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_resting_scene_allocates_nothing_after_warm_up),
+        cmocka_unit_test(test_arena_gives_back_what_was_long_unneeded),
         cmocka_unit_test(test_every_failed_allocation_is_reported_and_loses_nothing),
         cmocka_unit_test(test_bad_bodies_are_refused_with_the_number_found),
         cmocka_unit_test(test_bad_worlds_steps_and_ids_are_refused),

@@ -158,9 +158,20 @@ void pe_arena_rewind(pe_arena *arena, const pe_allocator *allocator, pe_arena_ma
     arena->wanted = mark.wanted;
 }
 
+/* Whether the blocks are to be replaced: by one, and by a smaller one where much has not been needed for
+ * long. Small arenas keep what they have. */
+static bool is_ill_sized(pe_arena *arena)
+{
+    enum { KEPT = 1 << 20, PART = 2, PATIENCE = 60 };
+    const size_t capacity = arena->last->capacity;
+    const bool slack = capacity > KEPT && arena->most < capacity / PART;
+    arena->slack = slack ? arena->slack + 1 : 0;
+    return arena->most > capacity || arena->slack > PATIENCE;
+}
+
 void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
 {
-    if (arena->last != NULL && arena->most > arena->last->capacity) {
+    if (arena->last != NULL && is_ill_sized(arena)) {
         /* A quarter more than was needed, so that slow growth does not allocate at each step. Without
          * memory for it the old blocks stay, and others are needed again. */
         const size_t most = arena->most + arena->most / 4, least = arena->least;
@@ -174,6 +185,13 @@ void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
     }
     while (arena->last != NULL && arena->last->before != NULL) {
         leave_block(arena, allocator);
+    }
+    if (arena->spare != NULL &&
+        (arena->last == NULL || arena->spare->capacity > arena->last->capacity)) {
+        struct pe_arena_block *first = arena->last;
+        arena->last = arena->spare;
+        arena->last->before = NULL;
+        arena->spare = first;
     }
     pe_release(allocator, arena->spare);
     arena->spare = NULL;

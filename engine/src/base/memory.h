@@ -45,6 +45,7 @@ typedef struct pe_arena {
         *spare;          /* in use, with those before it; the one that was left last */
     size_t used;         /* bytes of the last block */
     size_t wanted, most; /* bytes: in use now, and at most since the last reset */
+    int slack;           /* resets in a row by which a far smaller block would have done */
     size_t least;        /* bytes of a new block, at least */
     bool failed;         /* a request since the last reset was refused */
 } pe_arena;

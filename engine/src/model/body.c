@@ -94,8 +94,6 @@ static pe_mass mass_of(const pe_body_def *def, const pe_geometry *geometry)
         .mass = def->mass,
         .inverse_mass = 1 / def->mass,
         .inertia = i,
-        .inverse_root_mass = 1 / sqrt(def->mass),
-        .inverse_root_inertia = {1 / sqrt(i.x), 1 / sqrt(i.y), 1 / sqrt(i.z)},
         .spherical = i.x == i.y && i.y == i.z,
     };
 }

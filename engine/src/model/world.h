@@ -19,6 +19,24 @@ typedef struct pe_pose {
     pe_mat3 rotation;    /* of the orientation */
 } pe_pose;
 
+/* A pose that is kept for later: the rotation follows from the orientation. */
+typedef struct pe_saved_pose {
+    pe_vec3 position;
+    pe_quat orientation;
+} pe_saved_pose;
+
+/* Saves a pose. */
+static inline pe_saved_pose pe_pose_save(const pe_pose *pose)
+{
+    return (pe_saved_pose){pose->position, pose->orientation};
+}
+
+/* The pose that was saved, with the same bits. */
+static inline pe_pose pe_pose_restore(const pe_saved_pose *saved)
+{
+    return (pe_pose){saved->position, saved->orientation, pe_matrix_of(saved->orientation)};
+}
+
 /* The velocity of a body. */
 typedef struct pe_twist {
     pe_vec3 velocity, angular_velocity; /* m/s and rad/s, world, of the centre of mass */
@@ -26,11 +44,9 @@ typedef struct pe_twist {
 
 /* Mass, in kg, and inertia, in kg m^2. */
 typedef struct pe_mass {
-    double mass, inverse_mass;    /* 0 when static */
-    pe_vec3 inertia;              /* principal, in the body's axes; 0 when static */
-    double inverse_root_mass;     /* 1/sqrt(m) */
-    pe_vec3 inverse_root_inertia; /* 1/sqrt(I), componentwise */
-    bool spherical;               /* equal principal inertia: no gyroscopic torque */
+    double mass, inverse_mass; /* 0 when static */
+    pe_vec3 inertia;           /* principal, in the body's axes; 0 when static */
+    bool spherical;            /* equal principal inertia: no gyroscopic torque */
 } pe_mass;
 
 /* What does not change while a body lives. */
@@ -138,7 +154,7 @@ struct pe_world {
     pe_allocator allocator;
 
     pe_array body_array, pose_array, twist_array, mass_array, applied_force_array, record_array;
-    pe_array start_pose_array; /* (slots of then): at the start of the last step */
+    pe_array start_pose_array; /* (slots of then) pe_saved_pose: at the start of the last step */
     int applied_force_count; /* slots that applied_force_array has; nothing is applied to others */
     bool has_applied_forces; /* since the last step */
     int slot_count;          /* slots in use or free, the dummy included */

@@ -73,6 +73,13 @@ static pe_vec3 acceleration_of(const pe_world *world, int slot, pe_vec3 *torque)
     return pe_madd(world->def.gravity, pe_masses(world)[slot].inverse_mass, force);
 }
 
+/* 1/sqrt(I), componentwise: takes scaled angular velocities (solver_body.h) to those in the body's axes. */
+static pe_vec3 scale_of(const pe_mass *mass)
+{
+    const pe_vec3 i = mass->inertia;
+    return pe_v3(1 / sqrt(i.x), 1 / sqrt(i.y), 1 / sqrt(i.z));
+}
+
 /* Bodies of a piece. */
 enum { GRAIN = 128 };
 
@@ -101,7 +108,7 @@ static void fill_bodies(void *context, int worker, int begin, int end)
         const pe_pose *pose = &pe_poses(world)[slot];
         const pe_twist *twist = &pe_twists(world)[slot];
         const pe_mass *mass = &pe_masses(world)[slot];
-        pe_vec3 scale = mass->inverse_root_inertia, torque;
+        pe_vec3 scale = scale_of(mass), torque;
         pe_vec3 acceleration = acceleration_of(world, slot, &torque);
         pe_vec3 w = pe_unrotate(&pose->rotation, twist->angular_velocity);
         if (!mass->spherical) {
@@ -144,7 +151,7 @@ static void apply_to_bodies(void *context, int worker, int begin, int end)
         const pe_mass *mass = &pe_masses(world)[slot];
         pe_pose *pose = &pe_poses(world)[slot];
         const pe_mat3 before = pose->rotation;
-        pe_vec3 scale = mass->inverse_root_inertia;
+        pe_vec3 scale = scale_of(mass);
         pe_vec3 w = pe_mul(scale, pe_v3_load(bodies->velocity[i].angular));
         pe_vec3 turn = pe_mul(scale, pe_v3_load(bodies->displacement[i].angular));
         pe_vec3 spin = pe_rotate(&before, w);

@@ -9,7 +9,7 @@
 static void write_contact_of_step(const pe_world *world, const pe_point_walk *at, pe_contact *c)
 {
     const pe_body *bodies = pe_bodies(world);
-    const pe_pose *start = world->start_pose_array.items;
+    const pe_saved_pose *start = world->start_pose_array.items;
     const int a = at->manifold->a, b = at->manifold->b;
     c->body_a = (pe_body_id){(uint32_t)a, bodies[a].generation};
     c->body_b = (pe_body_id){(uint32_t)b, bodies[b].generation};

@@ -22,7 +22,7 @@ typedef struct pe_correction {
     const pe_islands *islands;       /* of this round */
     pe_correction_contact *contacts; /* (manifolds of the world): of this round */
     bool *moved;                     /* (slots): in this round */
-    pe_pose *poses;                  /* (slots): of those before it */
+    pe_saved_pose *poses;            /* (slots): of those before it */
     pe_twist *twists;                /* (slots) */
     bool *active;                    /* (slots): bodies all of whose contacts are swept */
     pe_islands near;                 /* one island: the contacts that may be swept */

@@ -61,10 +61,11 @@ static double torque_work(const pe_step *step, int slot)
     const pe_free_motion *free = &step->free[slot];
     pe_vec3 begin = step->twists[slot].angular_velocity;
     pe_vec3 end = pe_twists(step->world)[slot].angular_velocity;
-    pe_pose rotated = step->poses[slot];
+    const pe_pose start = pe_pose_restore(&step->poses[slot]);
+    pe_pose rotated = start;
     pe_pose_move(&rotated, pe_v3(0, 0, 0), pe_scale(step->dt, free->mean.angular_velocity));
     pe_vec3 impulse = pe_sub(angular_momentum(mass, &rotated.rotation, free->end.angular_velocity),
-                             angular_momentum(mass, &step->poses[slot].rotation, begin));
+                             angular_momentum(mass, &start.rotation, begin));
     return 0.5 * pe_dot(impulse, pe_add(begin, end));
 }
 
@@ -76,7 +77,8 @@ static bool is_corrected(const pe_step *step, int slot)
 static void add_body(const pe_step *step, int slot, energy *e)
 {
     const pe_mass *mass = &pe_masses(step->world)[slot];
-    const pe_pose *begin = &step->poses[slot], *end = &pe_poses(step->world)[slot];
+    const pe_pose start = pe_pose_restore(&step->poses[slot]);
+    const pe_pose *begin = &start, *end = &pe_poses(step->world)[slot];
     pe_vec3 velocity = step->twists[slot].velocity;
     double before = kinetic_energy(mass, begin, &step->twists[slot]);
     double after = kinetic_energy(mass, end, &pe_twists(step->world)[slot]);
@@ -212,10 +214,10 @@ static pe_vec3 at_pose(const pe_pose *pose, pe_vec3 anchor)
 static double parted(const pe_step *step, const pe_manifold *m, const pe_manifold_point *point)
 {
     const pe_pose *now = pe_poses(step->world);
-    pe_vec3 a =
-        pe_sub(at_pose(&now[m->a], point->anchor_a), at_pose(&step->poses[m->a], point->anchor_a));
-    pe_vec3 b =
-        pe_sub(at_pose(&now[m->b], point->anchor_b), at_pose(&step->poses[m->b], point->anchor_b));
+    const pe_pose start_a = pe_pose_restore(&step->poses[m->a]);
+    const pe_pose start_b = pe_pose_restore(&step->poses[m->b]);
+    pe_vec3 a = pe_sub(at_pose(&now[m->a], point->anchor_a), at_pose(&start_a, point->anchor_a));
+    pe_vec3 b = pe_sub(at_pose(&now[m->b], point->anchor_b), at_pose(&start_b, point->anchor_b));
     return pe_dot(m->normal, pe_sub(b, a));
 }
 
@@ -284,7 +286,7 @@ static double factor_of(const energy *e, bool exact)
 }
 
 /* Whether no body, or with `corrected` no corrected body, is over step->shallow from `poses`. */
-static bool is_shallow(const group *g, const pe_pose *poses, bool corrected)
+static bool is_shallow(const group *g, const pe_saved_pose *poses, bool corrected)
 {
     const pe_step *step = g->step;
     for (int i = 0; i < g->count; ++i) {
@@ -316,7 +318,7 @@ static double take_back_correction(const group *g, bool *put_back)
     for (int i = 0; i < g->count; ++i) {
         int slot = g->slots[i];
         if (is_corrected(step, slot)) {
-            pe_poses(step->world)[slot] = step->uncorrected_poses[slot];
+            pe_poses(step->world)[slot] = pe_pose_restore(&step->uncorrected_poses[slot]);
             pe_twists(step->world)[slot] = step->uncorrected_twists[slot];
             put_back[slot] = true;
         }
@@ -358,7 +360,7 @@ static bool take_energy(const group *g, const energy *e, double factor, bool *pu
         twist->velocity = pe_scale(factor, twist->velocity);
         twist->angular_velocity = pe_scale(factor, twist->angular_velocity);
         if (returns) {
-            pe_poses(step->world)[slot] = step->poses[slot];
+            pe_poses(step->world)[slot] = pe_pose_restore(&step->poses[slot]);
             put_back[slot] = true;
         }
     }

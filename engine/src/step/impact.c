@@ -33,7 +33,7 @@ typedef struct substeps {
     pe_pair_list pairs;        /* of the island */
     int *counts;               /* of all points of each manifold of the sub-step */
     pe_free_motion *free;      /* that of `interval` */
-    pe_pose *poses;            /* (bodies) at the sub-step's start */
+    pe_saved_pose *poses;      /* (bodies) at the sub-step's start */
     pe_twist *twists;          /* (bodies) at the sub-step's start */
     pe_twist *ends;            /* (bodies) at the end of `left`, without the impact */
     double left;               /* s, of the step */
@@ -349,7 +349,7 @@ static pe_status move(substeps *s, choice which, double dt)
 static void save(substeps *s)
 {
     for (int i = 0; i < body_count(s); ++i) {
-        s->poses[i] = pe_poses(s->world)[s->island.bodies[i]];
+        s->poses[i] = pe_pose_save(&pe_poses(s->world)[s->island.bodies[i]]);
         s->twists[i] = pe_twists(s->world)[s->island.bodies[i]];
     }
 }
@@ -357,7 +357,7 @@ static void save(substeps *s)
 static void restore(substeps *s)
 {
     for (int i = 0; i < body_count(s); ++i) {
-        pe_poses(s->world)[s->island.bodies[i]] = s->poses[i];
+        pe_poses(s->world)[s->island.bodies[i]] = pe_pose_restore(&s->poses[i]);
         pe_twists(s->world)[s->island.bodies[i]] = s->twists[i];
     }
 }

@@ -164,7 +164,7 @@ static void go_back(division *d)
     }
     for (int i = 0; i < d->body_count; ++i) {
         if (is_changed(d, i)) {
-            pe_poses(d->world)[d->bodies[i]] = d->step->poses[d->bodies[i]];
+            pe_poses(d->world)[d->bodies[i]] = pe_pose_restore(&d->step->poses[d->bodies[i]]);
             pe_twists(d->world)[d->bodies[i]] = d->step->twists[d->bodies[i]];
         }
     }
@@ -229,7 +229,8 @@ static pe_status divide(division *d)
 /* An upper bound, in m, on how far a point of b has moved in the step relative to one of a. */
 static double motion_of(const division *d, const pe_manifold *m, pe_vec3 *displacement)
 {
-    const pe_pose *now = pe_poses(d->world), *then = d->step->poses;
+    const pe_pose *now = pe_poses(d->world);
+    const pe_saved_pose *then = d->step->poses;
     const int slots[2] = {m->a, m->b};
     double turned = 0;
     *displacement = pe_sub(pe_sub(now[m->b].position, then[m->b].position),

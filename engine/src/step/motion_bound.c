@@ -37,8 +37,9 @@ static double part_of_island(const pe_step *step, int k)
     for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
         int slot = islands->bodies[i];
         const pe_mass *mass = &pe_masses(step->world)[slot];
-        before += kinetic_energy(mass, &step->poses[slot], &step->twists[slot]);
-        before += kinetic_energy(mass, &step->poses[slot], &step->free[slot].end);
+        const pe_pose start = pe_pose_restore(&step->poses[slot]);
+        before += kinetic_energy(mass, &start, &step->twists[slot]);
+        before += kinetic_energy(mass, &start, &step->free[slot].end);
         after += kinetic_energy(mass, &pe_poses(step->world)[slot], &pe_twists(step->world)[slot]);
     }
     if (!isfinite(after)) {
@@ -63,7 +64,7 @@ static void slow_down(const pe_step *step, int k, double part)
         pe_twist *twist = &pe_twists(step->world)[slot];
         twist->velocity = part_of(part, twist->velocity);
         twist->angular_velocity = part_of(part, twist->angular_velocity);
-        pe_poses(step->world)[slot] = step->poses[slot];
+        pe_poses(step->world)[slot] = pe_pose_restore(&step->poses[slot]);
         pe_pose_move(&pe_poses(step->world)[slot], pe_scale(step->dt, twist->velocity),
                      pe_scale(step->dt, twist->angular_velocity));
     }
@@ -234,7 +235,7 @@ static bool bound_rotation(const pe_step *step, int slot)
     }
     pe_vec3 w = pe_unrotate(&pose->rotation, now->angular_velocity);
     pose->orientation = step->poses[slot].orientation;
-    pose->rotation = step->poses[slot].rotation;
+    pose->rotation = pe_matrix_of(pose->orientation);
     pe_pose_move(pose, pe_v3(0, 0, 0), pe_scale(most / angle, turn));
     now->angular_velocity = pe_rotate(&pose->rotation, w);
     return true;
@@ -244,7 +245,8 @@ static bool bound_rotation(const pe_step *step, int slot)
 static bool moved_little(const pe_step *step, int slot)
 {
     const pe_body *body = &pe_bodies(step->world)[slot];
-    const pe_pose *from = &step->poses[slot], *to = &pe_poses(step->world)[slot];
+    const pe_saved_pose *from = &step->poses[slot];
+    const pe_pose *to = &pe_poses(step->world)[slot];
     pe_vec3 path = pe_sub(to->position, from->position);
     pe_quat turn = pe_quat_product(to->orientation, pe_quat_conjugate(from->orientation));
     double most = UNEXPLAINED * body->size, most_turn = most / body->bounding_radius;

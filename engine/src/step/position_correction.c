@@ -131,7 +131,7 @@ typedef struct displacing {
 static void keep_as_it_was(const pe_correction *c, int slot)
 {
     pe_step *step = c->step;
-    c->poses[slot] = pe_poses(c->world)[slot];
+    c->poses[slot] = pe_pose_save(&pe_poses(c->world)[slot]);
     c->twists[slot] = pe_twists(c->world)[slot];
     c->moved[slot] = true;
     if (!step->corrected[slot]) {
@@ -258,7 +258,7 @@ static void restore(const pe_correction *c)
 {
     for (int slot = 0; slot < c->world->slot_count; ++slot) {
         if (c->moved[slot]) {
-            pe_poses(c->world)[slot] = c->poses[slot];
+            pe_poses(c->world)[slot] = pe_pose_restore(&c->poses[slot]);
             pe_twists(c->world)[slot] = c->twists[slot];
         }
     }

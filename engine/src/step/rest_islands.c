@@ -61,7 +61,7 @@ void pe_hold_island(pe_step *step, int k)
     }
     for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
         const int slot = islands->bodies[i];
-        pe_poses(step->world)[slot] = step->poses[slot];
+        pe_poses(step->world)[slot] = pe_pose_restore(&step->poses[slot]);
         pe_twists(step->world)[slot] = (pe_twist){0};
     }
     step->held[k] = still;
@@ -69,7 +69,7 @@ void pe_hold_island(pe_step *step, int k)
 
 /* ---- Coming to rest ---- */
 
-static bool is_same_pose(const pe_pose *a, const pe_pose *b)
+static bool is_same_pose(const pe_pose *a, const pe_saved_pose *b)
 {
     const pe_vec3 x = a->position, y = b->position;
     const pe_quat p = a->orientation, q = b->orientation;

@@ -24,7 +24,7 @@ typedef struct pe_step {
 
     /* At the step's start. */
     pe_islands islands;
-    pe_pose *poses; /* the world's start_pose_array */
+    pe_saved_pose *poses; /* the world's start_pose_array */
     pe_twist *twists;
     pe_free_motion *free; /* the step without contacts */
 
@@ -36,8 +36,8 @@ typedef struct pe_step {
     bool stale;   /* contacts are to be found before the step: bodies, materials or dt changed */
     bool repeats; /* same forces, dt and bodies as in the step before */
 
-    bool *corrected;            /* bodies that position correction moved */
-    pe_pose *uncorrected_poses; /* of these, before it did; NULL: not yet */
+    bool *corrected;                  /* bodies that position correction moved */
+    pe_saved_pose *uncorrected_poses; /* of these, before it did; NULL: not yet */
     pe_twist *uncorrected_twists;
     pe_islands end_islands; /* of the contacts that were found last */
     bool has_end_islands;

@@ -49,7 +49,7 @@ static void save_bodies(void *context, int worker, int begin, int end)
     const pe_step *step = context;
     for (int i = begin; i < end; ++i) {
         const int slot = pe_awake(step->world)[i];
-        step->poses[slot] = pe_poses(step->world)[slot];
+        step->poses[slot] = pe_pose_save(&pe_poses(step->world)[slot]);
         step->twists[slot] = pe_twists(step->world)[slot];
     }
 }
@@ -92,7 +92,7 @@ static void undo_step(const pe_step *step, pe_status status)
     const int *resting = pe_resting_of(step->world);
     for (size_t slot = 0; slot < slots; ++slot) {
         if (!pe_rests(resting, (int)slot)) {
-            pe_poses(step->world)[slot] = step->poses[slot];
+            pe_poses(step->world)[slot] = pe_pose_restore(&step->poses[slot]);
             pe_twists(step->world)[slot] = step->twists[slot];
         }
     }
