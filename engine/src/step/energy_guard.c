@@ -210,14 +210,13 @@ static pe_vec3 at_pose(const pe_pose *pose, pe_vec3 anchor)
     return pe_add(pose->position, pe_rotate(&pose->rotation, anchor));
 }
 
-/* The change of a contact point's separation in the step, in m. */
-static double parted(const pe_step *step, const pe_manifold *m, const pe_manifold_point *point)
+/* The change of a contact point's separation in the step, in m. `start`: of the manifold's bodies. */
+static double parted(const pe_step *step, const pe_pose start[2], const pe_manifold *m,
+                     const pe_manifold_point *point)
 {
     const pe_pose *now = pe_poses(step->world);
-    const pe_pose start_a = pe_pose_restore(&step->poses[m->a]);
-    const pe_pose start_b = pe_pose_restore(&step->poses[m->b]);
-    pe_vec3 a = pe_sub(at_pose(&now[m->a], point->anchor_a), at_pose(&start_a, point->anchor_a));
-    pe_vec3 b = pe_sub(at_pose(&now[m->b], point->anchor_b), at_pose(&start_b, point->anchor_b));
+    pe_vec3 a = pe_sub(at_pose(&now[m->a], point->anchor_a), at_pose(&start[0], point->anchor_a));
+    pe_vec3 b = pe_sub(at_pose(&now[m->b], point->anchor_b), at_pose(&start[1], point->anchor_b));
     return pe_dot(m->normal, pe_sub(b, a));
 }
 
@@ -234,12 +233,14 @@ static void find_lifts_of_points(void *context, int worker, int begin, int end)
     const pe_contacts *solved = &l->step->world->solved;
     for (int i = begin; i < end; ++i) {
         const pe_manifold *m = &pe_manifolds(solved)[i];
+        const pe_pose start[2] = {pe_pose_restore(&l->step->poses[m->a]),
+                                  pe_pose_restore(&l->step->poses[m->b])};
         for (int j = m->first; j < m->first + m->count; ++j) {
             const pe_manifold_point *point = &pe_manifold_points(solved)[j];
             const double force = pe_dot(m->normal, point->impulse) / l->step->dt;
             l->of_point[j] = 0;
             if (point->separation < 0 && force > 0) {
-                const double way = pe_min(parted(l->step, m, point), -point->separation);
+                const double way = pe_min(parted(l->step, start, m, point), -point->separation);
                 l->of_point[j] = force * pe_max(way, 0);
             }
         }
