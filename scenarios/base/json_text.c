@@ -302,24 +302,26 @@ char *pl_json_take_out(const char *text, size_t length, const char *key, pl_json
     return rest;
 }
 
-json_t *pl_json_next_item(pl_json_items *items)
+bool pl_json_next_item(pl_json_items *items)
 {
     scanner s = {.text = items->text, .at = items->at, .length = items->end};
-    json_error_t place;
     skip_blanks(&s);
     if (s.at == items->end || items->failed) {
-        return NULL;
+        return false;
     }
-    if (!items->is_first) {
-        items->failed = s.text[s.at] != ',';
-        ++s.at;
-    }
-    json_t *item = items->failed ? NULL
-                                 : json_loadb(s.text + s.at, s.length - s.at,
-                                              PARSING | JSON_DISABLE_EOF_CHECK, &place);
-    items->failed = item == NULL;
+    items->failed = !items->is_first && s.text[s.at] != ',';
+    items->at = items->is_first ? s.at : s.at + 1;
     items->is_first = false;
-    items->at = item == NULL ? items->end : s.at + (size_t)place.position;
+    return !items->failed;
+}
+
+json_t *pl_json_parse_item(pl_json_items *items)
+{
+    json_error_t place;
+    json_t *item = json_loadb(items->text + items->at, items->end - items->at,
+                              PARSING | JSON_DISABLE_EOF_CHECK, &place);
+    items->failed = item == NULL;
+    items->at = item == NULL ? items->end : items->at + (size_t)place.position;
     return item;
 }
 

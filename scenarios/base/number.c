@@ -139,6 +139,51 @@ bool pl_decimal(const char *text, size_t length, double *value)
     return *stop == '\0' && isfinite(*value);
 }
 
+/* A quotient of integers, which has 54 bits or more, and whether there is a rest, decide how to
+ * round. */
+bool pl_scale_decimal(uint64_t digits, int places, double *value)
+{
+    static const uint64_t powers[] = {1,
+                                      10,
+                                      100,
+                                      1000,
+                                      10000,
+                                      100000,
+                                      1000000,
+                                      10000000,
+                                      100000000,
+                                      1000000000,
+                                      10000000000,
+                                      100000000000,
+                                      1000000000000,
+                                      10000000000000,
+                                      100000000000000,
+                                      1000000000000000,
+                                      10000000000000000,
+                                      100000000000000000,
+                                      1000000000000000000,
+                                      10000000000000000000U};
+    if (places >= (int)(sizeof powers / sizeof powers[0])) {
+        return false;
+    }
+    const uint64_t power = powers[places];
+    if (digits <= UINT64_C(1) << 53) {
+        *value = (double)digits / (double)power; /* both exact, and one rounding: Clinger 1990 */
+        return true;
+    }
+    const wide scaled = (wide)digits << 64;
+    wide quotient = scaled / power;
+    bool has_rest = quotient * power != scaled;
+    int shift = 64;
+    for (; quotient >> 62 != 0; quotient >>= 1, --shift) {
+        has_rest = has_rest || quotient % 2 == 1;
+    }
+    /* The rest is one bit more, which is at least the 55th: it decides where the others are at the
+     * middle between two doubles. */
+    *value = ldexp((double)(int64_t)(2 * (uint64_t)quotient + has_rest), -shift - 1);
+    return true;
+}
+
 bool pl_parse_number(const char *text, double *value)
 {
     const char *slash = strchr(text, '/');
