@@ -14,14 +14,33 @@
 /* Integers that hold 17 digits times a power of two. */
 __extension__ typedef unsigned __int128 wide;
 
-/* 10^k for k from 0 to 20. */
+enum { POWERS = 20 };
+
+static const uint64_t powers[POWERS] = {1,
+                                        10,
+                                        100,
+                                        1000,
+                                        10000,
+                                        100000,
+                                        1000000,
+                                        10000000,
+                                        100000000,
+                                        1000000000,
+                                        10000000000,
+                                        100000000000,
+                                        1000000000000,
+                                        10000000000000,
+                                        100000000000000,
+                                        1000000000000000,
+                                        10000000000000000,
+                                        100000000000000000,
+                                        1000000000000000000,
+                                        10000000000000000000U};
+
+/* 10^k for k from 0 to 38. */
 static wide power_of_ten(int k)
 {
-    wide power = 1;
-    for (; k > 0; --k) {
-        power *= 10;
-    }
-    return power;
+    return k < POWERS ? powers[k] : (wide)powers[POWERS - 1] * powers[k - POWERS + 1];
 }
 
 /* Writes digits * 10^-places, the way of %g: without zeros at the end. */
@@ -57,23 +76,29 @@ static bool reads_back(wide shown, wide scaled, wide ulp, uint64_t mantissa)
     return reach < ulp || (reach == ulp && mantissa % 2 == 0);
 }
 
-/* The text of a number from 1e-4 to below 1e15 by exact arithmetic of integers: the value is m / 2^s
- * with 2^52 <= m < 2^53 and 2 < s < 67, so that m 10^k, with 17 digits before the point, and 2^s
- * times those digits stay below 2^124. */
-static const char *short_text(double value, char *text)
+/* Whether decimal_text has the text of a number. */
+static bool is_plain(double value)
 {
-    int exponent;
-    const uint64_t m = (uint64_t)ldexp(frexp(fabs(value), &exponent), 53);
-    const int s = 53 - exponent;
-    int places = 15; /* after the point, so that there are 15 digits in all */
+    return fabs(value) >= 1e-4 && fabs(value) < 1e15;
+}
+
+/* The text with `digits` significant digits, or with more, up to 17, until it reads back. By exact
+ * arithmetic of integers: the value is m / 2^s with 2^52 <= m < 2^53 and 2 < s < 67, so that m 10^k,
+ * with 17 digits before the point, and 2^s times those digits stay below 2^124. */
+static const char *decimal_text(double value, int digits, char *text)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    const uint64_t m = (bits & ((UINT64_C(1) << 52) - 1)) | UINT64_C(1) << 52;
+    const int s = 1075 - (int)(bits >> 52 & 0x7ff);
+    int places = digits; /* after the point */
     for (double bound = 1; fabs(value) >= bound; bound *= 10) {
         --places;
     }
     for (double bound = 0.1; fabs(value) < bound; bound /= 10) {
         ++places;
     }
-    wide power = power_of_ten(places);
-    for (int digits = 15;; ++digits, ++places, power *= 10) {
+    for (wide power = power_of_ten(places);; ++digits, ++places, power *= 10) {
         const wide scaled = m * power, half = (wide)1 << (s - 1);
         const wide rest = scaled & (2 * half - 1);
         uint64_t rounded = (uint64_t)(scaled >> s);
@@ -83,6 +108,16 @@ static const char *short_text(double value, char *text)
             return text;
         }
     }
+}
+
+/* The decimal comma of some locales becomes a point. */
+static const char *with_point(char *text)
+{
+    char *not_a_digit = text + strspn(text, "0123456789-+e");
+    if (*not_a_digit != '\0') {
+        *not_a_digit = '.';
+    }
+    return text;
 }
 
 const char *pl_number_text(double value, char text[PL_NUMBER_SIZE])
@@ -95,8 +130,8 @@ const char *pl_number_text(double value, char text[PL_NUMBER_SIZE])
     if (value == 0) {
         return memcpy(text, signbit(value) ? "-0" : "0", signbit(value) ? 3 : 2);
     }
-    if (fabs(value) >= 1e-4 && fabs(value) < 1e15) {
-        return short_text(value, text);
+    if (is_plain(value)) {
+        return decimal_text(value, 15, text);
     }
     /* 15 digits survive text to double to text, 17 survive double to text to double: IEEE
      * 754, 5.12.2. */
@@ -104,11 +139,16 @@ const char *pl_number_text(double value, char text[PL_NUMBER_SIZE])
     do {
         snprintf(text, PL_NUMBER_SIZE, "%.*g", digits, value);
     } while (strtod(text, NULL) != value && ++digits <= 17);
-    char *not_a_digit = text + strspn(text, "0123456789-+e");
-    if (*not_a_digit != '\0') {
-        *not_a_digit = '.'; /* the decimal comma of some locales */
+    return with_point(text);
+}
+
+const char *pl_number_digits(double value, char text[PL_NUMBER_SIZE])
+{
+    if (is_plain(value)) {
+        return decimal_text(value, 17, text);
     }
-    return text;
+    snprintf(text, PL_NUMBER_SIZE, "%.17g", value);
+    return with_point(text);
 }
 
 /* ---- Text to numbers ---- */
@@ -143,27 +183,7 @@ bool pl_decimal(const char *text, size_t length, double *value)
  * round. */
 bool pl_scale_decimal(uint64_t digits, int places, double *value)
 {
-    static const uint64_t powers[] = {1,
-                                      10,
-                                      100,
-                                      1000,
-                                      10000,
-                                      100000,
-                                      1000000,
-                                      10000000,
-                                      100000000,
-                                      1000000000,
-                                      10000000000,
-                                      100000000000,
-                                      1000000000000,
-                                      10000000000000,
-                                      100000000000000,
-                                      1000000000000000,
-                                      10000000000000000,
-                                      100000000000000000,
-                                      1000000000000000000,
-                                      10000000000000000000U};
-    if (places >= (int)(sizeof powers / sizeof powers[0])) {
+    if (places >= POWERS) {
         return false;
     }
     const uint64_t power = powers[places];

@@ -71,8 +71,10 @@ void pl_text_format(pl_text_buffer *out, const char *format, ...)
 
 void pl_text_add_spaces(pl_text_buffer *out, int count)
 {
-    for (int i = 0; i < count; ++i) {
-        pl_text_add_bytes(out, " ", 1);
+    if (count > 0 && reserve(out, (size_t)count)) {
+        memset(out->data + out->length, ' ', (size_t)count);
+        out->length += (size_t)count;
+        out->data[out->length] = '\0';
     }
 }
 
