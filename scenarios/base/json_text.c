@@ -45,7 +45,7 @@ static void skip_string(scanner *s)
     while (s->at < s->length && s->text[s->at] != '"') {
         s->at += s->text[s->at] == '\\' ? 2 : 1;
     }
-    ++s->at;
+    s->at = s->at < s->length ? s->at + 1 : s->length;
 }
 
 /* A string, a bracket, a comma, a colon, or a word such as a number. */
@@ -62,19 +62,25 @@ static void skip_token(scanner *s)
             ++s->at;
         }
     }
-    if (s->at > s->length) {
-        s->at = s->length;
-    }
 }
+
+/* By how much a byte outside of strings changes the depth of nesting. */
+static const signed char deeper[256] = {['{'] = 1, ['['] = 1, ['}'] = -1, [']'] = -1};
 
 static void skip_value(scanner *s)
 {
-    long depth = 0;
-    do {
-        char c = peek(s);
-        depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
-        skip_token(s);
-    } while (depth > 0 && s->at < s->length);
+    const char first = peek(s);
+    long depth = deeper[(unsigned char)first];
+    skip_token(s);
+    while (depth > 0 && s->at < s->length) {
+        const unsigned char c = (unsigned char)s->text[s->at];
+        if (c == '"') {
+            skip_string(s);
+        } else {
+            depth += deeper[c];
+            ++s->at;
+        }
+    }
 }
 
 /* Whether the string in quotes at text[begin .. end) means `key`. */

@@ -46,23 +46,27 @@ static wide power_of_ten(int k)
 /* Writes digits * 10^-places, the way of %g: without zeros at the end. */
 static void write_decimal(uint64_t digits, int places, bool negative, char *text)
 {
-    char reversed[PL_NUMBER_SIZE];
-    int count = 0;
+    char decimal[PL_NUMBER_SIZE];
+    int first = PL_NUMBER_SIZE;
     for (; places > 0 && digits % 10 == 0; --places) {
         digits /= 10;
     }
-    for (int i = 0; i <= places || digits > 0; ++i, digits /= 10) {
-        if (i == places && places > 0) {
-            reversed[count++] = '.';
-        }
-        reversed[count++] = (char)('0' + digits % 10);
+    for (; digits > 0; digits /= 100) { /* two at a time, which do not wait for each other */
+        const int last = (int)(digits % 100);
+        decimal[--first] = (char)('0' + last % 10);
+        decimal[--first] = (char)('0' + last / 10);
     }
+    first += decimal[first] == '0'; /* of an odd number of digits */
+    while (PL_NUMBER_SIZE - first <= places) {
+        decimal[--first] = '0';
+    }
+    const int whole = PL_NUMBER_SIZE - places - first; /* digits before the point */
     *text = '-';
     text += negative;
-    for (int i = 0; i < count; ++i) {
-        text[i] = reversed[count - 1 - i];
-    }
-    text[count] = '\0';
+    memcpy(text, decimal + first, (size_t)whole);
+    text[whole] = '.';
+    memcpy(text + whole + 1, decimal + first + whole, (size_t)places);
+    text[places > 0 ? whole + 1 + places : whole] = '\0';
 }
 
 /* Whether the decimal `shown` reads back as the double `scaled`, both times the same factor, in which

@@ -194,8 +194,11 @@ void pl_text_add_json_key(pl_text_buffer *out, const char *key)
 
 void pl_text_add_number(pl_text_buffer *out, double value)
 {
-    char text[PL_NUMBER_SIZE];
-    pl_text_add(out, isfinite(value) ? pl_number_text(value, text) : "null");
+    if (!isfinite(value)) {
+        pl_text_add(out, "null");
+    } else if (reserve(out, PL_NUMBER_SIZE)) {
+        out->length += strlen(pl_number_text(value, out->data + out->length));
+    }
 }
 
 void pl_text_add_numbers(pl_text_buffer *out, const double *values, int count)
