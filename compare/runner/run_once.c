@@ -5,6 +5,7 @@
 
 #include "adapters/contact_problems.h"
 #include "base/array.h"
+#include "base/resident.h"
 #include "engines/process.h"
 #include "parameter_check.h"
 #include "positions.h"
@@ -18,8 +19,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Room for contacts; more make the array grow. */
-enum { CONTACTS_PER_BODY = 16 };
+/* Room for contacts; more make the array grow. A sphere has one with each body it touches, of which
+ * there are at most 12 of its own size. */
+enum { CONTACTS_OF_BODY = 16, CONTACTS_OF_SPHERE = 6 };
 
 /* Bodies from which on the referee's work is worth several threads. */
 enum { MANY_BODIES = 2000 };
@@ -106,6 +108,7 @@ static void *allocate_touched(size_t count, size_t size)
 {
     void *memory = malloc(count * size + 1);
     if (memory != NULL) {
+        pl_make_resident(memory, count * size + 1);
         memset(memory, 0xff, count * size + 1);
     }
     return memory;
@@ -115,7 +118,11 @@ static pl_status prepare(run *r, pl_error *error)
 {
     const pl_scene *scene = r->def->scene;
     size_t count = (size_t)scene->body_count;
-    r->contact_capacity = 64 + CONTACTS_PER_BODY * scene->body_count;
+    r->contact_capacity = 64;
+    for (int i = 0; i < scene->body_count; ++i) {
+        r->contact_capacity +=
+            scene->bodies[i].shape.kind == PL_SHAPE_SPHERE ? CONTACTS_OF_SPHERE : CONTACTS_OF_BODY;
+    }
     r->frame = (pl_frame){.body_count = scene->body_count};
     r->good = r->frame;
     r->frame.bodies = allocate_touched(count, sizeof *r->frame.bodies);
