@@ -69,15 +69,14 @@ static void write_decimal(uint64_t digits, int places, bool negative, char *text
     text[places > 0 ? whole + 1 + places : whole] = '\0';
 }
 
-/* Whether the decimal `shown` reads back as the double `scaled`, both times the same factor, in which
+/* Whether a decimal reads back that is `error` away from m 2^-s, both times the same factor, in which
  * the distance to the next double is `ulp`. That to the one before is half as much below a power of
  * two. At the middle between two doubles the even one is read. */
-static bool reads_back(wide shown, wide scaled, wide ulp, uint64_t mantissa)
+static bool reads_back(wide error, bool is_below, wide ulp, uint64_t m)
 {
-    const bool is_power = mantissa == UINT64_C(1) << 52;
-    const wide error = shown > scaled ? shown - scaled : scaled - shown;
-    const wide reach = is_power && shown < scaled ? 4 * error : 2 * error;
-    return reach < ulp || (reach == ulp && mantissa % 2 == 0);
+    const bool is_power = m == UINT64_C(1) << 52;
+    const wide reach = is_power && is_below ? 4 * error : 2 * error;
+    return reach < ulp || (reach == ulp && m % 2 == 0);
 }
 
 /* Whether decimal_text has the text of a number. */
@@ -102,13 +101,13 @@ static const char *decimal_text(double value, int digits, char *text)
     for (double bound = 0.1; fabs(value) < bound; bound /= 10) {
         ++places;
     }
+    const wide unit = (wide)1 << s, half = unit / 2;
     for (wide power = power_of_ten(places);; ++digits, ++places, power *= 10) {
-        const wide scaled = m * power, half = (wide)1 << (s - 1);
-        const wide rest = scaled & (2 * half - 1);
-        uint64_t rounded = (uint64_t)(scaled >> s);
-        rounded += rest > half || (rest == half && rounded % 2 == 1);
-        if (digits == 17 || reads_back((wide)rounded << s, scaled, power, m)) {
-            write_decimal(rounded, places, value < 0, text);
+        const wide scaled = m * power, rest = scaled & (unit - 1);
+        const uint64_t cut = (uint64_t)(scaled >> s);
+        const bool is_up = rest > half || (rest == half && cut % 2 == 1);
+        if (digits == 17 || reads_back(is_up ? unit - rest : rest, !is_up, power, m)) {
+            write_decimal(cut + is_up, places, value < 0, text);
             return text;
         }
     }

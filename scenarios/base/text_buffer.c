@@ -6,7 +6,6 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 void pl_text_free(pl_text_buffer *out)
 {
@@ -46,11 +45,6 @@ void pl_text_add_bytes(pl_text_buffer *out, const char *bytes, size_t count)
     memcpy(out->data + out->length, bytes, count);
     out->length += count;
     out->data[out->length] = '\0';
-}
-
-void pl_text_add(pl_text_buffer *out, const char *text)
-{
-    pl_text_add_bytes(out, text, strlen(text));
 }
 
 void pl_text_format(pl_text_buffer *out, const char *format, ...)

@@ -49,19 +49,27 @@ struct pl_broad_phase {
     int *entries; /* indices of boxes, ascending in each column */
 };
 
+/* How far a shape reaches from its own origin along `direction`, in its frame, without the radius
+ * around its core. */
+static double reach(const pl_shape *shape, pl_vec direction)
+{
+    return pl_vec_dot(direction, pl_core_support(shape, direction));
+}
+
 /* Sets the box of a shape, enlarged by `margin` and by a little more than the rounding of poses and
  * gaps, so that no touching pair is lost. */
 static void place_box(box *b, int axis, const pl_shape *shape, const double position[3],
                       const double orientation[4], double margin)
 {
-    double radius = pl_core_radius(shape);
-    pl_axes axes = pl_axes_of(orientation);
+    const double radius = pl_core_radius(shape);
+    const bool turns = shape->kind != PL_SHAPE_SPHERE; /* whose core is a point */
+    const pl_axes axes = turns ? pl_axes_of(orientation) : (pl_axes){0};
     for (int k = 0; k < 3; ++k) {
         int from = (axis + k) % 3;
         const pl_vec unit = {from == 0, from == 1, from == 2};
-        pl_vec up = pl_to_local(&axes, unit), down = pl_vec_scale(up, -1);
-        double above = pl_vec_dot(up, pl_core_support(shape, up)) + radius;
-        double below = pl_vec_dot(down, pl_core_support(shape, down)) + radius;
+        const pl_vec up = pl_to_local(&axes, unit);
+        const double above = radius + (turns ? reach(shape, up) : 0);
+        const double below = radius + (turns ? reach(shape, pl_vec_scale(up, -1)) : 0);
         double slack = margin + 1e-12 * (fabs(position[from]) + fmax(fabs(above), fabs(below)));
         b->low[k] = position[from] - below - slack;
         b->high[k] = position[from] + above + slack;
