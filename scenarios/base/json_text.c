@@ -65,7 +65,7 @@ static void skip_token(scanner *s)
 }
 
 /* By how much a byte outside of strings changes the depth of nesting. */
-static const signed char deeper[256] = {['{'] = 1, ['['] = 1, ['}'] = -1, [']'] = -1};
+static const int deeper[256] = {['{'] = 1, ['['] = 1, ['}'] = -1, [']'] = -1};
 
 static void skip_value(scanner *s)
 {

@@ -40,11 +40,11 @@ static void write_string(const writer *w, const char *text, size_t length)
 /* A real number has a point or an exponent, and the exponent neither a plus nor leading zeros. */
 static void write_real(const writer *w, double value)
 {
-    char text[PL_NUMBER_SIZE + 2];
-    pl_number_digits(value, text);
-    char *exponent = strchr(text, 'e');
+    char text[PL_NUMBER_SIZE];
+    const char *exponent = strchr(pl_number_digits(value, text), 'e');
     if (exponent == NULL) {
-        pl_text_add(w->out, strchr(text, '.') == NULL ? strcat(text, ".0") : text);
+        pl_text_add(w->out, text);
+        pl_text_add(w->out, strchr(text, '.') == NULL ? ".0" : "");
         return;
     }
     pl_text_add_bytes(w->out, text, (size_t)(exponent + 1 - text));
