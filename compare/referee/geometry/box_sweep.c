@@ -375,6 +375,18 @@ static void see_box(const pl_broad_phase *bp, int index,
     }
 }
 
+/* Whether the box has a point in the half-space of plane number `plane`. */
+static bool reaches_plane(const pl_broad_phase *bp, long plane, const box *b)
+{
+    const pl_shape *shape = &bp->scene->bodies[bp->planes[plane]].shape;
+    double lowest = -shape->offset;
+    for (int k = 0; k < 3; ++k) {
+        const double n = shape->normal[(bp->axis + k) % 3];
+        lowest += n * (n > 0 ? b->low[k] : b->high[k]);
+    }
+    return !(lowest > 0);
+}
+
 long pl_broad_phase_rows(const pl_broad_phase *broad_phase)
 {
     return (long)broad_phase->box_count * (1 + broad_phase->plane_count);
@@ -389,7 +401,8 @@ void pl_broad_phase_see(const pl_broad_phase *broad_phase, long begin, long end,
         const long plane = row / broad_phase->box_count - 1;
         if (plane < 0) {
             see_box(broad_phase, index, see, context, &cost);
-        } else if (!broad_phase->boxes[index].is_static) {
+        } else if (!broad_phase->boxes[index].is_static &&
+                   reaches_plane(broad_phase, plane, &broad_phase->boxes[index])) {
             see(context, broad_phase->planes[plane], broad_phase->boxes[index].body);
         }
     }
