@@ -139,7 +139,8 @@ static void restore_order(box *boxes, int count)
 /* Clamped, so that places beyond all numbers of columns share one. */
 static double cell_of(const pl_broad_phase *bp, double coordinate)
 {
-    return fmin(fmax(floor(coordinate / bp->width), -1e15), 1e15);
+    const double cell = floor(coordinate / bp->width);
+    return !(cell > -1e15) ? -1e15 : cell < 1e15 ? cell : 1e15;
 }
 
 static columns columns_of(const pl_broad_phase *bp, const box *b)
