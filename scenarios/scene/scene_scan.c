@@ -135,7 +135,8 @@ bool pl_scan_body(pl_json_scanner *scanner, const pl_shape_reader *shapes, pl_bo
     /* No text has a NaN. */
     body->mass = body->inertia[0] = (double)NAN;
     body->material = -1;
-    if (!scan_object(&s, PL_OBJECT_BODY, body) || isnan(body->mass) || body->is_static) {
+    if (!scan_object(&s, PL_OBJECT_BODY, body) || isnan(body->mass) || body->is_static ||
+        body->shape.kind == PL_SHAPE_PLANE) {
         return false;
     }
     if (isnan(body->inertia[0])) {

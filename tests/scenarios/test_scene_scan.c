@@ -126,7 +126,7 @@ static const entry entries[] = {
     {"mass", {"2.5", "1e3", "-0", "1e999", "\"2\"", "0", "null"}},
     {"shape",
      {"{\"type\": \"sphere\", \"radius\": 0.1234567890123456}",
-      "{\"type\": \"box\", \"half_extents\": [0.5, 1, 0.25]}", "\"ball\"", "\"bell\"",
+      "{\"type\": \"box\", \"half_extents\": [0.5, 1, 0.25]}", "\"ball\"", "\"bell\"", "\"ground\"",
       "{\"radius\": 1, \"type\": \"sphere\"}", "{\"type\": \"sphere\"}",
       "{\"type\": \"sphere\", \"radius\": 1, \"radius\": 1}"}},
     {"position", {"[1, -2.5, 3e-5]", "[ 0 ,-0,0 ]", "[1, 2]", "[1, 2, 3, 4]", "[1 2 3]"}},
@@ -174,7 +174,8 @@ static char *random_scene(uint64_t seed, const char *name)
     pl_text_buffer text = {0};
     pl_text_add(&text, "{\"plumb_scene\": 1, \"materials\": {\"ice\": {\"friction\": 0.1, "
                        "\"restitution\": 0}}, \"shapes\": {\"ball\": {\"type\": \"sphere\", "
-                       "\"radius\": 0.3}}, \"bodies\": [");
+                       "\"radius\": 0.3}, \"ground\": {\"type\": \"plane\", \"normal\": "
+                       "[0, 0, 1], \"offset\": 0}}, \"bodies\": [");
     for (int i = 0; i < 3; ++i) {
         add_body(&text, &random, name, i);
     }
