@@ -39,13 +39,16 @@ static char peek(scanner *s)
     return s->at < s->length ? s->text[s->at] : '\0';
 }
 
-static void skip_string(scanner *s)
+/* False when the string has no end. */
+static bool skip_string(scanner *s)
 {
     ++s->at;
     while (s->at < s->length && s->text[s->at] != '"') {
         s->at += s->text[s->at] == '\\' ? 2 : 1;
     }
-    s->at = s->at < s->length ? s->at + 1 : s->length;
+    const bool ends = s->at < s->length;
+    s->at = ends ? s->at + 1 : s->length;
+    return ends;
 }
 
 /* A string, a bracket, a comma, a colon, or a word such as a number. */
@@ -109,7 +112,9 @@ static bool enter_key(scanner *s, const char *key, size_t *key_at)
             return false;
         }
         *key_at = s->at;
-        skip_string(s);
+        if (!skip_string(s)) {
+            return false;
+        }
         bool found = key_equals(s->text, *key_at, s->at, key);
         skip_token(s); /* the colon */
         if (found) {
