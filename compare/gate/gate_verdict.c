@@ -3,6 +3,7 @@
 #include "gate_verdict.h"
 
 #include "base/array.h"
+#include "base/json_write.h"
 #include "results/result.h"
 
 #include <stdio.h>
@@ -337,10 +338,8 @@ static void write_json(const pl_gate_verdict *verdict, pl_text_buffer *buffer)
         json_pack("{s:s, s:s, s:i, s:i, s:o, s:o}", "schema", "plumb.gate/1", "verdict", word,
                   "rows", verdict->now->count, "comparisons", verdict->comparisons, "failures",
                   entries_json(verdict, true), "notices", entries_json(verdict, false));
-    char *text = json_dumps(json, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
-    buffer->failed |= text == NULL;
-    pl_text_format(buffer, "%s\n", text == NULL ? "" : text);
-    free(text);
+    pl_text_add_json_tree(buffer, json, PL_JSON_INDENTED);
+    pl_text_add(buffer, "\n");
     json_decref(json);
 }
 

@@ -54,7 +54,7 @@ static void add_value(const json_t *value, pl_text_buffer *out)
         return;
     case JSON_OBJECT:
     case JSON_ARRAY:
-        text = json_dumps(value, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
+        text = pl_result_to_line(value);
         if (text == NULL) {
             out->failed = true;
         } else {

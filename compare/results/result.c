@@ -3,6 +3,7 @@
 #include "result.h"
 
 #include "base/hash.h"
+#include "base/json_write.h"
 #include "base/thread_pool.h"
 
 #include <limits.h>
@@ -71,18 +72,20 @@ json_t *pl_json_number_or_null(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-char *pl_result_to_line(const json_t *result)
-{
-    return json_dumps(result, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
-}
-
 void pl_result_add_line(pl_text_buffer *text, const json_t *result)
 {
-    char *line = pl_result_to_line(result);
-    pl_text_add(text, line == NULL ? "" : line);
+    pl_text_add_json_tree(text, result, PL_JSON_COMPACT);
     pl_text_add(text, "\n");
-    text->failed = text->failed || line == NULL;
-    free(line);
+}
+
+char *pl_result_to_line(const json_t *result)
+{
+    pl_text_buffer text = {0};
+    pl_text_add_json_tree(&text, result, PL_JSON_COMPACT);
+    if (text.failed) {
+        pl_text_free(&text);
+    }
+    return text.data;
 }
 
 void pl_timestamp(char text[32])

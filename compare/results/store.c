@@ -1,5 +1,6 @@
 #include "store.h"
 
+#include "base/json_write.h"
 #include "result.h"
 
 #include <errno.h>
@@ -177,16 +178,12 @@ pl_status pl_results_write_json(const char *path, const json_t *value, pl_error 
     if (path == NULL) {
         return PL_OK;
     }
-    char *text = json_dumps(value, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
-    const size_t length = text == NULL ? 0 : strlen(text) + 1;
-    char *line = text == NULL ? NULL : realloc(text, length + 1);
-    if (line == NULL) {
-        free(text);
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
-    }
-    memcpy(line + length - 1, "\n", 2);
-    pl_status status = pl_write_text(path, line, length, error);
-    free(line);
+    pl_text_buffer text = {0};
+    pl_text_add_json_tree(&text, value, PL_JSON_INDENTED);
+    pl_text_add(&text, "\n");
+    const pl_status status = text.failed ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
+                                         : pl_write_text(path, text.data, text.length, error);
+    pl_text_free(&text);
     return status;
 }
 
@@ -344,16 +341,13 @@ bool pl_store_has(const pl_store *store, const char *run)
 
 pl_status pl_store_append(pl_store *store, json_t *result, pl_error *error)
 {
-    char *text = pl_result_to_line(result);
-    const size_t length = text == NULL ? 0 : strlen(text) + 1;
-    char *line = text == NULL ? NULL : realloc(text, length + 1);
-    if (line == NULL) {
-        free(text);
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", store->path);
-    }
-    memcpy(line + length - 1, "\n", 2);
-    pl_status status = write_all(store->file, line, length, store->path, error);
-    free(line);
+    pl_text_buffer line = {0};
+    pl_result_add_line(&line, result);
+    const off_t length = (off_t)line.length;
+    pl_status status = line.failed
+                           ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", store->path)
+                           : write_all(store->file, line.data, line.length, store->path, error);
+    pl_text_free(&line);
     /* A pipe or device cannot be synchronised: EINVAL, and nothing is wrong. */
     if (status == PL_OK && fdatasync(store->file) != 0 && errno != EINVAL) {
         status = pl_fail(error, PL_IO, "%s: %s", store->path, strerror(errno));
@@ -364,7 +358,7 @@ pl_status pl_store_append(pl_store *store, json_t *result, pl_error *error)
         }
         return status;
     }
-    store->size += (off_t)length;
+    store->size += length;
     if (json_array_append(store->results, result) != 0) {
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", store->path);
     }

@@ -160,6 +160,11 @@ static void load_code(void)
     }
 }
 
+double pl_resident_set(pid_t pid)
+{
+    return read_status(pid, "VmRSS:");
+}
+
 double pl_resident_set_baseline(pid_t pid)
 {
     load_code();
@@ -171,7 +176,7 @@ double pl_resident_set_baseline(pid_t pid)
     }
     bool reset = fputs("5", file) >= 0;
     reset = fclose(file) == 0 && reset;
-    return reset ? read_status(pid, "VmRSS:") : (double)NAN;
+    return reset ? pl_resident_set(pid) : (double)NAN;
 }
 
 double pl_resident_set_growth(pid_t pid, double baseline)

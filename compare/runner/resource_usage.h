@@ -40,6 +40,9 @@ pl_call_cost pl_call_timer_end(pl_call_timer *timer);
  * the peak. Returns the resident set size now, in bytes; NAN where /proc does not have it. */
 double pl_resident_set_baseline(pid_t pid);
 
+/* The resident set size now, in bytes; NAN where it is not known. */
+double pl_resident_set(pid_t pid);
+
 /* Bytes by which the peak resident set size since then is above `baseline`; NAN where it is not
  * known. */
 double pl_resident_set_growth(pid_t pid, double baseline);

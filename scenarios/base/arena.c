@@ -1,5 +1,7 @@
 #include "arena.h"
 
+#include "resident.h"
+
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,6 +23,7 @@ void *pl_arena_take(pl_arena *arena, size_t count, size_t size)
     }
     /* Writes every page now, which calloc leaves to the first use: memory of the harness must not
      * look like growth of an engine's. The compiler may not drop this call, as it may a memset. */
+    pl_make_resident(block, sizeof *block + count * size);
     explicit_bzero(block->data, count * size);
     block->next = arena->blocks;
     arena->blocks = block;

@@ -150,7 +150,7 @@ bool pl_json_vector(const json_t *object, const char *key, pl_presence presence,
 /* People write few digits: a vector that is almost of unit length is made so. One that is of unit
  * length to rounding stays, so that what was written reads back number for number; any other stays
  * too, and scene_check.c rejects it. */
-static void normalize(double *vector, int n)
+void pl_normalize_written(double *vector, int n)
 {
     const double written_tolerance = 1e-6;
     double norm = pl_norm(vector, n);
@@ -167,7 +167,7 @@ bool pl_json_unit(const json_t *object, const char *key, pl_presence presence, d
     if (!pl_json_vector(object, key, presence, values, count, diagnostic)) {
         return false;
     }
-    normalize(values, count);
+    pl_normalize_written(values, count);
     return true;
 }
 

@@ -49,9 +49,12 @@ bool pl_json_number(const json_t *object, const char *key, pl_presence presence,
 bool pl_json_vector(const json_t *object, const char *key, pl_presence presence, double *values,
                     int count, pl_diagnostic *diagnostic);
 
-/* The same, made of unit length where people wrote too few digits. */
+/* The same, normalised as written. */
 bool pl_json_unit(const json_t *object, const char *key, pl_presence presence, double *values,
                   int count, pl_diagnostic *diagnostic);
+
+/* Makes a vector of n numbers of unit length where people wrote too few digits. */
+void pl_normalize_written(double *vector, int n);
 
 /* An array of arrays of three numbers, malloc'd: *triples is (*count). */
 bool pl_json_triples(const json_t *object, const char *key, double (**triples)[3], int *count,

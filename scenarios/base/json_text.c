@@ -39,13 +39,16 @@ static char peek(scanner *s)
     return s->at < s->length ? s->text[s->at] : '\0';
 }
 
-static void skip_string(scanner *s)
+/* False when the string has no end. */
+static bool skip_string(scanner *s)
 {
     ++s->at;
     while (s->at < s->length && s->text[s->at] != '"') {
         s->at += s->text[s->at] == '\\' ? 2 : 1;
     }
-    ++s->at;
+    const bool ends = s->at < s->length;
+    s->at = ends ? s->at + 1 : s->length;
+    return ends;
 }
 
 /* A string, a bracket, a comma, a colon, or a word such as a number. */
@@ -62,19 +65,25 @@ static void skip_token(scanner *s)
             ++s->at;
         }
     }
-    if (s->at > s->length) {
-        s->at = s->length;
-    }
 }
+
+/* By how much a byte outside of strings changes the depth of nesting. */
+static const int deeper[256] = {['{'] = 1, ['['] = 1, ['}'] = -1, [']'] = -1};
 
 static void skip_value(scanner *s)
 {
-    long depth = 0;
-    do {
-        char c = peek(s);
-        depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
-        skip_token(s);
-    } while (depth > 0 && s->at < s->length);
+    const char first = peek(s);
+    long depth = deeper[(unsigned char)first];
+    skip_token(s);
+    while (depth > 0 && s->at < s->length) {
+        const unsigned char c = (unsigned char)s->text[s->at];
+        if (c == '"') {
+            skip_string(s);
+        } else {
+            depth += deeper[c];
+            ++s->at;
+        }
+    }
 }
 
 /* Whether the string in quotes at text[begin .. end) means `key`. */
@@ -103,7 +112,9 @@ static bool enter_key(scanner *s, const char *key, size_t *key_at)
             return false;
         }
         *key_at = s->at;
-        skip_string(s);
+        if (!skip_string(s)) {
+            return false;
+        }
         bool found = key_equals(s->text, *key_at, s->at, key);
         skip_token(s); /* the colon */
         if (found) {
@@ -302,24 +313,26 @@ char *pl_json_take_out(const char *text, size_t length, const char *key, pl_json
     return rest;
 }
 
-json_t *pl_json_next_item(pl_json_items *items)
+bool pl_json_next_item(pl_json_items *items)
 {
     scanner s = {.text = items->text, .at = items->at, .length = items->end};
-    json_error_t place;
     skip_blanks(&s);
     if (s.at == items->end || items->failed) {
-        return NULL;
+        return false;
     }
-    if (!items->is_first) {
-        items->failed = s.text[s.at] != ',';
-        ++s.at;
-    }
-    json_t *item = items->failed ? NULL
-                                 : json_loadb(s.text + s.at, s.length - s.at,
-                                              PARSING | JSON_DISABLE_EOF_CHECK, &place);
-    items->failed = item == NULL;
+    items->failed = !items->is_first && s.text[s.at] != ',';
+    items->at = items->is_first ? s.at : s.at + 1;
     items->is_first = false;
-    items->at = item == NULL ? items->end : s.at + (size_t)place.position;
+    return !items->failed;
+}
+
+json_t *pl_json_parse_item(pl_json_items *items)
+{
+    json_error_t place;
+    json_t *item = json_loadb(items->text + items->at, items->end - items->at,
+                              PARSING | JSON_DISABLE_EOF_CHECK, &place);
+    items->failed = item == NULL;
+    items->at = item == NULL ? items->end : items->at + (size_t)place.position;
     return item;
 }
 

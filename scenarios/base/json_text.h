@@ -44,8 +44,12 @@ typedef struct pl_json_items {
 char *pl_json_take_out(const char *text, size_t length, const char *key, pl_json_items *items,
                        size_t *rest_length);
 
-/* The next item, a new reference. NULL at the end, and with `failed` at a fault or out of memory. */
-json_t *pl_json_next_item(pl_json_items *items);
+/* Goes to the next item. False at the end, and with `failed` at a fault. */
+bool pl_json_next_item(pl_json_items *items);
+
+/* Parses the item, and goes behind it. A new reference; NULL with `failed` at a fault or out of
+ * memory. */
+json_t *pl_json_parse_item(pl_json_items *items);
 
 /* Parses a text as pl_json_read_text does; NULL when it is no JSON, and when out of memory. */
 json_t *pl_json_parse(const char *text, size_t length);

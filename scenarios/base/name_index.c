@@ -1,67 +1,77 @@
 #include "name_index.h"
 
+#include "hash.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static int by_name_then_index(const void *left, const void *right)
+/* The name of an item. */
+static const char *name_of(const pl_name_index *index, int item)
 {
-    const pl_named *a = left;
-    const pl_named *b = right;
-    int order = strcmp(a->name, b->name);
-    return order != 0 ? order : (a->index > b->index) - (a->index < b->index);
+    return index->first_name + (size_t)item * index->stride;
+}
+
+/* The slot of the name, or the free one where it would be. The index has free slots. */
+static pl_name_slot *find_slot(const pl_name_index *index, const char *name, uint32_t hash)
+{
+    uint32_t place = hash & index->mask;
+    while (index->slots[place].number > 0 &&
+           (index->slots[place].hash != hash ||
+            strcmp(name_of(index, index->slots[place].number - 1), name) != 0)) {
+        place = (place + 1) & index->mask;
+    }
+    return &index->slots[place];
+}
+
+static uint32_t hash_of(const char *name)
+{
+    const uint64_t hash = pl_hash_text(PL_HASH_START, name);
+    return (uint32_t)(hash ^ hash >> 32);
 }
 
 pl_status pl_name_index_create(const char *first_name, size_t stride, int count,
                                pl_name_index *index)
 {
-    *index = (pl_name_index){.items = NULL};
+    uint32_t size = 2;
+    *index = (pl_name_index){.duplicate = -1};
     if (count == 0) {
         return PL_OK;
     }
-    index->items = malloc((size_t)count * sizeof *index->items);
-    if (index->items == NULL) {
+    while (size / 2 < (uint32_t)count) {
+        size *= 2;
+    }
+    pl_name_slot *slots = calloc(size, sizeof *slots);
+    if (slots == NULL) {
         return PL_NO_MEMORY;
     }
-    index->count = count;
+    *index = (pl_name_index){first_name, stride, count, -1, slots, size - 1};
     for (int i = 0; i < count; ++i) {
-        index->items[i] = (pl_named){.name = first_name + (size_t)i * stride, .index = i};
+        const uint32_t hash = hash_of(name_of(index, i));
+        pl_name_slot *slot = find_slot(index, name_of(index, i), hash);
+        if (slot->number == 0) {
+            *slot = (pl_name_slot){hash, i + 1};
+        } else if (index->duplicate < 0) {
+            index->duplicate = i;
+        }
     }
-    qsort(index->items, (size_t)count, sizeof *index->items, by_name_then_index);
     return PL_OK;
 }
 
 void pl_name_index_free(pl_name_index *index)
 {
-    free(index->items);
-    *index = (pl_name_index){.items = NULL};
+    free(index->slots);
+    *index = (pl_name_index){.duplicate = -1};
 }
 
 int pl_name_index_find(const pl_name_index *index, const char *name)
 {
-    int low = 0, high = index->count;
-    while (low < high) {
-        int middle = low + (high - low) / 2;
-        if (strcmp(index->items[middle].name, name) < 0) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    bool found = low < index->count && strcmp(index->items[low].name, name) == 0;
-    return found ? index->items[low].index : -1;
+    return index->slots == NULL ? -1 : find_slot(index, name, hash_of(name))->number - 1;
 }
 
 int pl_name_index_duplicate(const pl_name_index *index)
 {
-    int lowest = -1;
-    for (int i = 1; i < index->count; ++i) {
-        const pl_named *item = &index->items[i];
-        if (strcmp(item->name, item[-1].name) == 0 && (lowest < 0 || item->index < lowest)) {
-            lowest = item->index;
-        }
-    }
-    return lowest;
+    return index->duplicate;
 }
 
 enum { LONGEST_WORD = 255 };
@@ -124,6 +134,11 @@ const char *pl_did_you_mean(const char *word, const char *const *candidates, int
     return text;
 }
 
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
 const char *pl_name_index_nearest(const pl_name_index *index, const char *word)
 {
     const char **names = malloc((size_t)index->count * sizeof *names + 1);
@@ -131,8 +146,9 @@ const char *pl_name_index_nearest(const pl_name_index *index, const char *word)
         return NULL;
     }
     for (int i = 0; i < index->count; ++i) {
-        names[i] = index->items[i].name;
+        names[i] = name_of(index, i);
     }
+    qsort(names, (size_t)index->count, sizeof *names, compare_names);
     const char *nearest = pl_nearest_name(word, names, index->count);
     free(names);
     return nearest;

@@ -6,7 +6,6 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 void pl_text_free(pl_text_buffer *out)
 {
@@ -14,21 +13,15 @@ void pl_text_free(pl_text_buffer *out)
     *out = (pl_text_buffer){0};
 }
 
-/* Makes room for `extra` bytes and a zero. */
-static bool reserve(pl_text_buffer *out, size_t extra)
+/* Makes the buffer larger, for `extra` bytes and a zero. */
+static bool grow(pl_text_buffer *out, size_t extra)
 {
-    if (out->failed) {
-        return false;
-    }
-    size_t needed = out->length + extra + 1;
-    if (needed <= out->capacity) {
-        return true;
-    }
+    const size_t needed = out->length + extra + 1;
     size_t capacity = out->capacity < 1024 ? 1024 : out->capacity;
     while (capacity < needed) {
         capacity *= 2;
     }
-    char *data = realloc(out->data, capacity);
+    char *data = out->failed ? NULL : realloc(out->data, capacity);
     if (data == NULL) {
         out->failed = true;
         return false;
@@ -38,19 +31,25 @@ static bool reserve(pl_text_buffer *out, size_t extra)
     return true;
 }
 
-void pl_text_add_bytes(pl_text_buffer *out, const char *bytes, size_t count)
+/* Makes room for `extra` bytes and a zero. */
+static inline bool reserve(pl_text_buffer *out, size_t extra)
 {
-    if (!reserve(out, count)) {
-        return;
-    }
-    memcpy(out->data + out->length, bytes, count);
-    out->length += count;
-    out->data[out->length] = '\0';
+    return (!out->failed && out->length + extra < out->capacity) || grow(out, extra);
 }
 
-void pl_text_add(pl_text_buffer *out, const char *text)
+/* pl_text_add_bytes, for the functions of this file. */
+static inline void add(pl_text_buffer *out, const char *bytes, size_t count)
 {
-    pl_text_add_bytes(out, text, strlen(text));
+    if (reserve(out, count)) {
+        memcpy(out->data + out->length, bytes, count);
+        out->length += count;
+        out->data[out->length] = '\0';
+    }
+}
+
+void pl_text_add_bytes(pl_text_buffer *out, const char *bytes, size_t count)
+{
+    add(out, bytes, count);
 }
 
 void pl_text_format(pl_text_buffer *out, const char *format, ...)
@@ -71,8 +70,10 @@ void pl_text_format(pl_text_buffer *out, const char *format, ...)
 
 void pl_text_add_spaces(pl_text_buffer *out, int count)
 {
-    for (int i = 0; i < count; ++i) {
-        pl_text_add_bytes(out, " ", 1);
+    if (count > 0 && reserve(out, (size_t)count)) {
+        memset(out->data + out->length, ' ', (size_t)count);
+        out->length += (size_t)count;
+        out->data[out->length] = '\0';
     }
 }
 
@@ -167,43 +168,46 @@ static bool is_plain_in_json(char c)
 
 void pl_text_add_json(pl_text_buffer *out, const char *text)
 {
-    pl_text_add_bytes(out, "\"", 1);
+    add(out, "\"", 1);
     while (*text != '\0') {
         size_t plain = 0;
         while (is_plain_in_json(text[plain])) {
             ++plain;
         }
-        pl_text_add_bytes(out, text, plain);
+        add(out, text, plain);
         text += plain;
         if (*text != '\0' && (unsigned char)*text < 0x20) {
             pl_text_format(out, "\\u%04x", (unsigned)*text++);
         } else if (*text != '\0') {
-            pl_text_add_bytes(out, (const char[]){'\\', *text++}, 2);
+            add(out, (const char[]){'\\', *text++}, 2);
         }
     }
-    pl_text_add_bytes(out, "\"", 1);
+    add(out, "\"", 1);
 }
 
 void pl_text_add_json_key(pl_text_buffer *out, const char *key)
 {
     pl_text_add_json(out, key);
-    pl_text_add(out, ": ");
+    add(out, ": ", 2);
 }
 
 void pl_text_add_number(pl_text_buffer *out, double value)
 {
-    char text[PL_NUMBER_SIZE];
-    pl_text_add(out, isfinite(value) ? pl_number_text(value, text) : "null");
+    if (!isfinite(value)) {
+        pl_text_add(out, "null");
+    } else if (reserve(out, PL_NUMBER_SIZE)) {
+        out->length += strlen(pl_number_text(value, out->data + out->length));
+    }
 }
 
 void pl_text_add_numbers(pl_text_buffer *out, const double *values, int count)
 {
-    pl_text_add(out, "[");
+    add(out, "[", 1);
     for (int i = 0; i < count; ++i) {
-        pl_text_add(out, i == 0 ? "" : ", ");
+        add(out, ", ", i == 0 ? 0 : 2);
         pl_text_add_number(out, values[i]);
     }
-    pl_text_add(out, "]");
+    add(out, "]", 1);
 }
 
 size_t pl_code_point_length(const char *c)

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 /* Starts as {0}. `data` ends with a zero once something was added, and is NULL before. When memory
  * runs out, `failed` is set and every later call does nothing: check it once, at the end. */
@@ -16,11 +17,14 @@ typedef struct pl_text_buffer {
 /* Frees the text and makes the buffer empty. */
 void pl_text_free(pl_text_buffer *out);
 
-/* Adds text unchanged. */
-void pl_text_add(pl_text_buffer *out, const char *text);
-
 /* Adds `count` bytes unchanged. */
 void pl_text_add_bytes(pl_text_buffer *out, const char *bytes, size_t count);
+
+/* Adds text unchanged. Inline, so that the length of a literal is known. */
+static inline void pl_text_add(pl_text_buffer *out, const char *text)
+{
+    pl_text_add_bytes(out, text, strlen(text));
+}
 
 /* Adds text as printf does. */
 #if defined(__GNUC__)

@@ -61,6 +61,16 @@ pl_status pl_scene_add_material(pl_scene *scene, const pl_material *item, int *i
     return status;
 }
 
+int pl_scene_find_material(const pl_scene *scene, const char *name)
+{
+    for (int i = 0; i < scene->material_count; ++i) {
+        if (strcmp(scene->materials[i].name, name) == 0) {
+            return i;
+        }
+    }
+    return -1;
+}
+
 pl_status pl_scene_add_pair(pl_scene *scene, const pl_material_pair *item, pl_error *error)
 {
     return pl_array_push(&scene->pairs, &scene->pair_count, item, sizeof *item, error);

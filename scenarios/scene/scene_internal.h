@@ -1,4 +1,4 @@
-/* Functions that the scene's files share: polyhedra of a scene, width of a shape. */
+/* Functions that the scene's files share: polyhedra and materials of a scene, width of a shape. */
 #ifndef PLUMB_SCENE_INTERNAL_H
 #define PLUMB_SCENE_INTERNAL_H
 
@@ -6,6 +6,9 @@
 
 /* Gives a malloc'd polyhedron to the scene. On PL_NO_MEMORY it stays the caller's. */
 pl_status pl_scene_add_polyhedron(pl_scene *scene, pl_polyhedron *polyhedron, pl_error *error);
+
+/* The index of the material of that name; -1 when there is none. */
+int pl_scene_find_material(const pl_scene *scene, const char *name);
 
 /* Half of the shape's smallest dimension, m: along its own axes, of a polyhedron along its
  * principal axes. INFINITY for a plane. */

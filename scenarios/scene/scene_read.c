@@ -8,6 +8,7 @@
 #include "scene_internal.h"
 #include "scene_read_fields.h"
 #include "scene_read_shape.h"
+#include "scene_scan.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -40,23 +41,13 @@ static bool added(reader *r, pl_status status)
     return status == PL_OK || pl_diagnose_no_memory(&r->diagnostic);
 }
 
-static int find_material(const pl_scene *scene, const char *name)
-{
-    for (int i = 0; i < scene->material_count; ++i) {
-        if (strcmp(scene->materials[i].name, name) == 0) {
-            return i;
-        }
-    }
-    return -1;
-}
-
 /* ---- References ---- */
 
 /* The material of a body that names none. */
 static bool use_default_material(reader *r, int *index)
 {
     static const pl_material material = {.name = "default", .friction = 0.5, .restitution = 0};
-    *index = find_material(r->scene, material.name);
+    *index = pl_scene_find_material(r->scene, material.name);
     if (*index >= 0) {
         return true;
     }
@@ -78,7 +69,7 @@ static bool read_material_reference(reader *r, const json_t *object, const char 
                         &r->diagnostic)) {
         return false;
     }
-    *index = find_material(scene, name);
+    *index = pl_scene_find_material(scene, name);
     if (*index >= 0) {
         return true;
     }
@@ -232,14 +223,33 @@ static bool read_item(reader *r, const json_t *json, pl_object_kind kind, const 
     return true;
 }
 
+/* Reads the next body from its text. False when it is not of the usual form. */
+static bool read_plain_body(reader *r)
+{
+    pl_json_scanner s = {r->bodies->text + r->bodies->at, r->bodies->text + r->bodies->end};
+    pl_body body;
+    if (!pl_scan_body(&s, &r->shapes, &body) ||
+        (body.material < 0 && !use_default_material(r, &body.material))) {
+        return false;
+    }
+    r->bodies->at = (size_t)(s.at - r->bodies->text);
+    return pl_scene_add_body(r->scene, &body, NULL, NULL) == PL_OK;
+}
+
+/* Reads the next body, of any form. */
+static bool read_parsed_body(reader *r)
+{
+    json_t *item = pl_json_parse_item(r->bodies);
+    const bool right = item != NULL && read_item(r, item, PL_OBJECT_BODY, NULL);
+    json_decref(item);
+    return right;
+}
+
 /* Reads the bodies that were taken out of the text. A fault is not described. */
 static bool read_bodies_apart(reader *r)
 {
-    json_t *item;
-    while ((item = pl_json_next_item(r->bodies)) != NULL) {
-        const bool right = read_item(r, item, PL_OBJECT_BODY, NULL);
-        json_decref(item);
-        if (!right) {
+    while (pl_json_next_item(r->bodies)) {
+        if (!read_plain_body(r) && !read_parsed_body(r)) {
             return false;
         }
     }
@@ -403,8 +413,7 @@ static bool read_object(reader *r, const json_t *json, pl_object_kind kind, void
 /* A scene to fill, and the folder of files that it names. */
 typedef struct request {
     pl_scene *scene;
-    const char *folder; /* with a / at its end, or "" for the working directory; NULL: it may name
-                         * none */
+    const char *folder;    /* with a / at its end; "": the working directory; NULL: there is none */
     pl_json_items *bodies; /* as in the reader */
 } request;
 

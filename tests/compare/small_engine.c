@@ -1,7 +1,9 @@
 /* A plug-in that tests build in several ways: bodies without contacts, in free fall by semi-implicit
  * Euler. DRIFT is added to every height at every step, so that builds can be told apart; with
  * DEPENDENCY, the function small_engine_drift of another library is added too. With READ_BACK, a
- * type, it computes in that type, and reads back its settings in it. */
+ * type, it computes in that type, and reads back its settings in it. With CONTACTS, a number, it
+ * reports that many points between the first two bodies, and says so after the step unless it is
+ * SILENT. */
 #include "plumb/adapter_helpers.h"
 #include "plumb/engine_abi.h"
 
@@ -79,8 +81,22 @@ static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *st
         instance->states[i].position[2] += DRIFT + small_engine_drift();
     }
     stats->iterations = instance->iterations;
+#if defined(CONTACTS) && !defined(SILENT)
+    stats->contacts = CONTACTS;
+#endif
     return PL_OK;
 }
+
+#ifdef CONTACTS
+static int read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity)
+{
+    (void)instance;
+    for (int i = 0; i < CONTACTS && i < capacity; ++i) {
+        contacts[i] = (pl_contact){.body_a = 0, .body_b = 1, .normal = {0, 0, 1}, .separation = 1};
+    }
+    return CONTACTS;
+}
+#endif
 
 static void read_frame(const pl_engine_instance *instance, pl_frame *frame)
 {
@@ -129,6 +145,10 @@ static const pl_engine engine = {
     .description = "free fall",
     .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE |
                     PL_NEEDS_SPHERE | PL_NEEDS_BOX,
+#ifdef CONTACTS
+    .contacts = PL_CONTACTS_POINTS,
+    .read_contacts = read_contacts,
+#endif
 #ifdef READ_BACK
     .read_settings = read_settings,
     .precision = sizeof(READ_BACK) == 4 ? PL_PRECISION_FLOAT : PL_PRECISION_DOUBLE,

@@ -1,8 +1,9 @@
-/* Reads any bytes as a scene file. They are accepted, or refused with the line and column of the
- * fault. An accepted scene that is written, read and written again gives the same text. */
+/* Reads any bytes as a scene file. They are accepted, and then JSON, or refused with the line and
+ * column of the fault. An accepted scene that is written, read and written again gives the same text. */
 #include "fuzz.h"
 #include "plumb/scenario.h"
 
+#include <jansson.h>
 #include <string.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -16,6 +17,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                    "a refusal has a line and a column");
         return 0;
     }
+    json_t *json = json_loadb((const char *)data, size,
+                              JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, NULL);
+    fuzz_check(json != NULL, "an accepted text is JSON");
+    json_decref(json);
     fuzz_check(pl_scene_validate(&scene, NULL) == PL_OK, "an accepted scene is valid");
     fuzz_check(pl_scene_needs(&scene) >= PL_NEEDS_PLANE, "every scene needs a shape");
     char *text = pl_scene_to_text(&scene);

@@ -163,6 +163,32 @@ static void test_name_index_finds_names_and_the_first_duplicate(void **state)
     assert_null(pl_name_index_nearest(&index, "fig"));
 }
 
+/* Of names that are equally near, the first of the alphabet is suggested, in whatever order they
+ * are. */
+static void test_name_index_of_many_names(void **state)
+{
+    (void)state;
+    enum { COUNT = 5000 };
+    char(*names)[16] = calloc(COUNT, sizeof *names);
+    assert_non_null(names);
+    for (int i = 0; i < COUNT; ++i) {
+        snprintf(names[i], sizeof names[i], "body %d", COUNT - i);
+    }
+    pl_name_index index;
+    assert_int_equal(pl_name_index_create(names[0], sizeof names[0], COUNT, &index), PL_OK);
+    for (int i = 0; i < COUNT; ++i) {
+        char copy[16];
+        memcpy(copy, names[i], sizeof copy);
+        assert_int_equal(pl_name_index_find(&index, copy), i);
+    }
+    assert_int_equal(pl_name_index_find(&index, "body 0"), -1);
+    assert_int_equal(pl_name_index_duplicate(&index), -1);
+    assert_string_equal(pl_name_index_nearest(&index, "bod 77"), "body 77");
+    assert_string_equal(pl_name_index_nearest(&index, "body x"), "body 1");
+    pl_name_index_free(&index);
+    free(names);
+}
+
 /* Mean squares of the coordinates by the midpoint rule on a grid of cells: the integrals
  * themselves. */
 static void integrate(const pl_shape *shape, const double half[3], double *volume,
@@ -615,6 +641,7 @@ int main(void)
         cmocka_unit_test(test_number_text_is_that_of_printf),
         cmocka_unit_test(test_random_bits_are_splitmix64),
         cmocka_unit_test(test_name_index_finds_names_and_the_first_duplicate),
+        cmocka_unit_test(test_name_index_of_many_names),
         cmocka_unit_test(test_volume_and_inertia_equal_quadrature),
         cmocka_unit_test(test_arrays_keep_added_items),
         cmocka_unit_test(test_added_body_gets_inertia_and_drops_extras),

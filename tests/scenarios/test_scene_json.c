@@ -54,6 +54,23 @@ static void test_text_that_is_no_json_is_refused(void **state)
     free(text);
 }
 
+/* In memory of its own size, so that a reader that goes beyond its end is seen. */
+static void test_text_that_is_cut_short_is_refused(void **state)
+{
+    (void)state;
+    for (size_t length = 0; length < strlen(sample_scene) - 2; ++length) {
+        char *text = malloc(length + 1);
+        assert_non_null(text);
+        memcpy(text + 1, sample_scene, length);
+        pl_scene scene;
+        pl_error error = {.message = ""};
+        assert_int_equal(pl_scene_read_text(text + 1, length, "text", &scene, &error),
+                         PL_BAD_INPUT);
+        assert_contains(error.message, "text:");
+        free(text);
+    }
+}
+
 /* The hash is taken piece by piece, without the whole text. */
 static void test_scene_hash_is_that_of_its_text(void **state)
 {
@@ -545,6 +562,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sample_reads_as_written),
+        cmocka_unit_test(test_text_that_is_cut_short_is_refused),
         cmocka_unit_test(test_scene_hash_is_that_of_its_text),
         cmocka_unit_test(test_text_that_is_no_json_is_refused),
         cmocka_unit_test(test_written_sample_reads_back),

@@ -49,19 +49,27 @@ struct pl_broad_phase {
     int *entries; /* indices of boxes, ascending in each column */
 };
 
+/* How far a shape reaches from its own origin along `direction`, in its frame, without the radius
+ * around its core. */
+static double reach(const pl_shape *shape, pl_vec direction)
+{
+    return pl_vec_dot(direction, pl_core_support(shape, direction));
+}
+
 /* Sets the box of a shape, enlarged by `margin` and by a little more than the rounding of poses and
  * gaps, so that no touching pair is lost. */
 static void place_box(box *b, int axis, const pl_shape *shape, const double position[3],
                       const double orientation[4], double margin)
 {
-    double radius = pl_core_radius(shape);
-    pl_axes axes = pl_axes_of(orientation);
+    const double radius = pl_core_radius(shape);
+    const bool turns = shape->kind != PL_SHAPE_SPHERE; /* whose core is a point */
+    const pl_axes axes = turns ? pl_axes_of(orientation) : (pl_axes){0};
     for (int k = 0; k < 3; ++k) {
         int from = (axis + k) % 3;
         const pl_vec unit = {from == 0, from == 1, from == 2};
-        pl_vec up = pl_to_local(&axes, unit), down = pl_vec_scale(up, -1);
-        double above = pl_vec_dot(up, pl_core_support(shape, up)) + radius;
-        double below = pl_vec_dot(down, pl_core_support(shape, down)) + radius;
+        const pl_vec up = pl_to_local(&axes, unit);
+        const double above = radius + (turns ? reach(shape, up) : 0);
+        const double below = radius + (turns ? reach(shape, pl_vec_scale(up, -1)) : 0);
         double slack = margin + 1e-12 * (fabs(position[from]) + fmax(fabs(above), fabs(below)));
         b->low[k] = position[from] - below - slack;
         b->high[k] = position[from] + above + slack;
@@ -131,7 +139,8 @@ static void restore_order(box *boxes, int count)
 /* Clamped, so that places beyond all numbers of columns share one. */
 static double cell_of(const pl_broad_phase *bp, double coordinate)
 {
-    return fmin(fmax(floor(coordinate / bp->width), -1e15), 1e15);
+    const double cell = floor(coordinate / bp->width);
+    return !(cell > -1e15) ? -1e15 : cell < 1e15 ? cell : 1e15;
 }
 
 static columns columns_of(const pl_broad_phase *bp, const box *b)
@@ -367,6 +376,18 @@ static void see_box(const pl_broad_phase *bp, int index,
     }
 }
 
+/* Whether the box has a point in the half-space of plane number `plane`. */
+static bool reaches_plane(const pl_broad_phase *bp, long plane, const box *b)
+{
+    const pl_shape *shape = &bp->scene->bodies[bp->planes[plane]].shape;
+    double lowest = -shape->offset;
+    for (int k = 0; k < 3; ++k) {
+        const double n = shape->normal[(bp->axis + k) % 3];
+        lowest += n * (n > 0 ? b->low[k] : b->high[k]);
+    }
+    return !(lowest > 0);
+}
+
 long pl_broad_phase_rows(const pl_broad_phase *broad_phase)
 {
     return (long)broad_phase->box_count * (1 + broad_phase->plane_count);
@@ -381,7 +402,8 @@ void pl_broad_phase_see(const pl_broad_phase *broad_phase, long begin, long end,
         const long plane = row / broad_phase->box_count - 1;
         if (plane < 0) {
             see_box(broad_phase, index, see, context, &cost);
-        } else if (!broad_phase->boxes[index].is_static) {
+        } else if (!broad_phase->boxes[index].is_static &&
+                   reaches_plane(broad_phase, plane, &broad_phase->boxes[index])) {
             see(context, broad_phase->planes[plane], broad_phase->boxes[index].body);
         }
     }

@@ -26,8 +26,8 @@ long pl_broad_phase_rows(const pl_broad_phase *broad_phase);
 
 /* Calls `see` with the scene indices of each pair of the rows from `begin` to before `end`. All rows
  * together have each pair once: every pair with a gap of at most the sum of the two margins, but
- * for pairs of two static bodies. A plane is unbounded and pairs with every dynamic body. The order
- * of the pairs depends only on the poses. Several threads may look at rows of one frame. */
+ * for pairs of two static bodies. The order of the pairs depends only on the poses. Several threads
+ * may look at rows of one frame. */
 void pl_broad_phase_see(const pl_broad_phase *broad_phase, long begin, long end,
                         void (*see)(void *context, int body_a, int body_b), void *context);
 

@@ -117,7 +117,13 @@ static void follow(pl_motion *m, bool *seen, const followed *body)
     seen[body->body] = true;
 }
 
-/* Follows all dynamic bodies from where they settle. */
+/* Whether all dynamic bodies are followed from where they settle. */
+static bool follows_settled(const pl_scene *scene)
+{
+    return scene->travel_count + scene->rest_count + scene->value_count == 0;
+}
+
+/* Follows all dynamic bodies. */
 static void follow_settled(pl_motion *m)
 {
     for (int i = 0; i < m->scene->body_count; ++i) {
@@ -147,7 +153,7 @@ static void follow_all(pl_motion *m, bool *seen)
                            .along = still,
                            .normal = normal});
     }
-    if (scene->travel_count + scene->rest_count + scene->value_count == 0) {
+    if (follows_settled(scene)) {
         follow_settled(m);
     }
 }
@@ -163,11 +169,12 @@ pl_motion *pl_motion_create(const pl_scene *scene, pl_arena *arena)
     }
     size_t bodies = (size_t)scene->body_count, dynamic = (size_t)m->dynamic_count;
     size_t expected = (size_t)scene->travel_count + (size_t)scene->rest_count;
+    size_t quiet = follows_settled(scene) ? dynamic : expected;
     bool *seen = pl_arena_take(arena, bodies, sizeof *seen);
     m->scene = scene;
     m->followed = pl_arena_take(arena, expected, sizeof *m->followed);
-    m->since_quiet.bodies = pl_arena_take(arena, bodies, sizeof *m->since_quiet.bodies);
-    m->since_fixed.bodies = pl_arena_take(arena, bodies, sizeof *m->since_fixed.bodies);
+    m->since_quiet.bodies = pl_arena_take(arena, quiet, sizeof *m->since_quiet.bodies);
+    m->since_fixed.bodies = pl_arena_take(arena, expected, sizeof *m->since_fixed.bodies);
     m->start = pl_arena_take(arena, dynamic, sizeof *m->start);
     m->last = pl_arena_take(arena, dynamic, sizeof *m->last);
     m->run_out = pl_arena_take(arena, dynamic, sizeof *m->run_out);

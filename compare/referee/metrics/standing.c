@@ -29,7 +29,8 @@ struct pl_standing {
 
 pl_standing *pl_standing_create(const pl_scene *scene, pl_arena *arena)
 {
-    const size_t count = (size_t)scene->body_count;
+    /* A scene without an expected rest is never judged. */
+    const size_t count = scene->rest_count > 0 ? (size_t)scene->body_count : 0;
     pl_standing *s = pl_arena_take(arena, 1, sizeof *s);
     if (s == NULL) {
         return NULL;
@@ -41,7 +42,7 @@ pl_standing *pl_standing_create(const pl_scene *scene, pl_arena *arena)
     if (arena->failed) {
         return NULL;
     }
-    for (int i = 0; i < scene->body_count; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         const pl_body *body = &scene->bodies[i];
         memcpy(s->rest[i].position, body->position, sizeof body->position);
         memcpy(s->rest[i].orientation, body->orientation, sizeof body->orientation);

@@ -59,9 +59,7 @@ static json_t *same(const json_t *object, const char *key)
 
 static char *to_text(json_t *value)
 {
-    char *text = value == NULL
-                     ? NULL
-                     : json_dumps(value, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
+    char *text = pl_result_to_line(value);
     json_decref(value);
     return text;
 }
