@@ -229,11 +229,12 @@ static bool read_plain_body(reader *r)
     pl_json_scanner s = {r->bodies->text + r->bodies->at, r->bodies->text + r->bodies->end};
     pl_body body;
     if (!pl_scan_body(&s, &r->shapes, &body) ||
-        (body.material < 0 && !use_default_material(r, &body.material))) {
+        (body.material < 0 && !use_default_material(r, &body.material)) ||
+        pl_scene_add_body(r->scene, &body, NULL, NULL) != PL_OK) {
         return false;
     }
     r->bodies->at = (size_t)(s.at - r->bodies->text);
-    return pl_scene_add_body(r->scene, &body, NULL, NULL) == PL_OK;
+    return true;
 }
 
 /* Reads the next body, of any form. */
