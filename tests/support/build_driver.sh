@@ -9,10 +9,13 @@ if [[ -e /usr/include/suitesparse/amd.h ]]; then
     includes="$includes -DPLUMB_HAVE_AMD"
     amd=-lamd
 fi
-# build COMPILER LEVEL WIDE: the wide kernels have their own flags, as in engine/CMakeLists.txt.
+# build COMPILER LEVEL MACHINE: the wide kernels have their own flags, as in engine/CMakeLists.txt. Where
+# the machine makes no difference, the objects of an earlier build of that compiler and level are used.
 build() {
     local file flags object objects=() commands=() wide=
+    local made=$folder/${1}${2// /}
     [[ $3 == wide ]] && wide="-DPE_KERNELS_X86"
+    mkdir -p "$made"
     for file in $sources; do
         flags=
         case $file in
@@ -20,8 +23,9 @@ build() {
         *kernels_8.c) flags=-mavx512f ;;
         esac
         [[ -n $flags && -z $wide ]] && continue
-        object=$folder/$(tr / _ <<<"$file").o
+        object=$made/$(tr / _ <<<"$file").o
         objects+=("$object")
+        [[ -e $object ]] && ! grep -q PE_KERNELS_X86 "$file" && continue
         commands+=("$1 -std=c17 $2 -ffp-contract=off -D_GNU_SOURCE -DPLUMB_VERSION='\"test\"' -w \
             ${includes//$'\n'/ } $wide $flags $(pkg-config --cflags jansson) -c -o '$object' '$file'")
     done
