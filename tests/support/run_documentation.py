@@ -23,7 +23,7 @@ import time
 REDUCED = (
     (r"^plumb sweep (--suite canonical|wall-collapse )", "--duration 0.1 --timeout 5 --repeat 1 --vary dt=1/60"),
     (r"^plumb sweep .*--suite", "--duration 0.1 --timeout 5 --engine plumb --engine ode"),
-    (r"^plumb compare .*--suite", "--duration 0.1 --timeout 20"),
+    (r"^plumb compare .*--suite", "--duration 0.1 --timeout 5"),
     (r"^plumb (compare|sweep|metamorphic) ", "--duration 0.1"),
     (r"^plumb run (pile|blocks) ", "--duration 0.02"),
     (r"^plumb tune ", "--budget 12 --duration 0.5"),
@@ -34,6 +34,7 @@ REDUCED = (
 NOT_RUN = (
     (r"^\./(compare|tests)/run\b", "this installs packages and builds; .ci/run runs it"),
     (r"^\./compare/state\b", "this takes half an hour"),
+    (r"^plumb check-engine jolt", "test_web_engines_slow checks the engines from npm"),
     (r"^cmake --workflow", "this builds once more"),
     (r"^plumb solve --benchmark", "this takes ten minutes"),
     (r"^tests/benchmark/cost_by_size", "this takes a quarter of an hour"),
