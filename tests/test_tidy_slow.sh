@@ -4,7 +4,7 @@ set -eu
 command -v clang-tidy >/dev/null || exit 77
 cd "$SOURCE"
 find engine scenarios compare -name '*.c' -print0 |
-    xargs -0 -P "$(nproc)" -n 8 clang-tidy -p "$BUILD" --quiet 2>/dev/null | sed "s#$SOURCE/##" >"$BUILD/tidy.txt" || true
+    xargs -0 -P "$(nproc)" -n 4 clang-tidy -p "$BUILD" --quiet 2>/dev/null | sed "s#$SOURCE/##" >"$BUILD/tidy.txt" || true
 if grep -q 'error:' "$BUILD/tidy.txt"; then
     grep 'error:' "$BUILD/tidy.txt" | sort -u >&2
     exit 1
