@@ -178,7 +178,7 @@ static void test_factors_do_not_depend_on_threads(void **state)
 
 /* ---- Worlds ---- */
 
-enum { ROWS = 24, COLUMNS = 40, BRICKS = ROWS * COLUMNS, STEPS = 5 };
+enum { ROWS = 24, COLUMNS = 40, BRICKS = ROWS * COLUMNS, STEPS = 3 };
 static const double H = 1.0 / 60;
 
 /* A wall of bricks that overlap by 2 mm and move in different ways. */
@@ -248,7 +248,7 @@ static void test_large_islands_allocate_nothing_after_warm_up(void **state)
         def.tasks = tasks_at_once(NULL);
         def.allocator = (pe_allocator){count_allocate, count_release, &c};
         pe_world *world = make_moving_wall(&def, ids);
-        check_allocates_nothing(world, &c, 40, 5);
+        check_allocates_nothing(world, &c, 10, 5);
     }
 }
 

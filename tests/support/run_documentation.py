@@ -21,14 +21,16 @@ import time
 
 # The first pattern that matches a command adds these arguments to it.
 REDUCED = (
-    (r"^plumb sweep (--suite canonical|wall-collapse )", "--duration 0.1 --timeout 5 --repeat 1 --vary dt=1/60"),
+    (r"^plumb sweep (--suite canonical|wall-collapse )", "--duration 0.1 --timeout 2 --repeat 1 --vary dt=1/60"),
     (r"^plumb sweep .*--suite", "--duration 0.1 --timeout 5 --engine plumb --engine ode"),
-    (r"^plumb compare .*--suite", "--duration 0.1 --timeout 5"),
+    (r"^plumb compare .*--suite", "--duration 0.1 --timeout 3"),
     (r"^plumb (compare|sweep|metamorphic) ", "--duration 0.1"),
     (r"^plumb run (pile|blocks) ", "--duration 0.02"),
     (r"^plumb tune ", "--budget 12 --duration 0.5"),
     (r"^plumb ensemble ", "--duration 0.2"),
     (r"^plumb threshold ", "--timeout 20"),
+    # The page of the template has the same engine run all checks.
+    (r"^plumb check-engine 'exec:python3 my-engine/engine.py'", "--check gravity --check repeats"),
 )
 # What a test cannot run: the file or the preset must exist.
 NOT_RUN = (
@@ -157,8 +159,10 @@ def main():
     plumb, source, build, *pages = sys.argv[1:]
     programs = tempfile.mkdtemp()
     os.symlink(plumb, os.path.join(programs, "plumb"))
+    # Debug: what a page has cmake build need not be optimised.
     environment = dict(os.environ, PATH=f"{programs}:{build}:{os.environ['PATH']}", NO_COLOR="1", SOURCE=source,
-                       BUILD=build, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+                       BUILD=build, CMAKE_BUILD_TYPE="Debug", OMPI_ALLOW_RUN_AS_ROOT="1",
+                       OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     total = failures = 0
     for page in pages:
         count, failed = run_page(page, source, build, environment)
