@@ -4,8 +4,8 @@
  *
  * is a contact problem without friction in which the displacement d, in m and rad, takes the place
  * of the velocity, phi + aim that of the bias, and nothing moves freely. Any solver of contact
- * problems solves it. An island is not swept whole: sweeping begins at the bodies of violated
- * contacts and extends to those that get pushed.
+ * problems solves it. Sweeping begins at the bodies of violated contacts and extends to those that
+ * get pushed; an island of which that is most is swept as a whole.
  *
  * Between two nearly opposite normals the least displacement of these linear rows may be hundreds of
  * metres, and no displacement at all may part a body from static ones on both sides. So no body
