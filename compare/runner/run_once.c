@@ -4,8 +4,8 @@
 #include "run_once.h"
 
 #include "adapters/contact_problems.h"
+#include "base/arena.h"
 #include "base/array.h"
-#include "base/resident.h"
 #include "engines/process.h"
 #include "parameter_check.h"
 #include "positions.h"

@@ -1,15 +1,28 @@
 #include "arena.h"
 
-#include "resident.h"
-
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+
+#ifndef MADV_POPULATE_WRITE
+#define MADV_POPULATE_WRITE 23
+#endif
 
 struct pl_arena_block {
     struct pl_arena_block *next;
     max_align_t data[];
 };
+
+void pl_make_resident(void *memory, size_t size)
+{
+    enum { PAGE = 4096, LEAST = 64 * PAGE }; /* less is not worth a call */
+    if (size >= LEAST) {
+        const uintptr_t begin = ((uintptr_t)memory + PAGE - 1) / PAGE * PAGE;
+        const uintptr_t end = ((uintptr_t)memory + size) / PAGE * PAGE;
+        (void)madvise((void *)begin, end - begin, MADV_POPULATE_WRITE);
+    }
+}
 
 void *pl_arena_take(pl_arena *arena, size_t count, size_t size)
 {
