@@ -65,7 +65,7 @@ else
         note_failure "an engine that does not tell its API: $(cat out)"
     fi
     read -ra suggested <<<"$(sed -n 's/^plumb tune: .*: \(--engine .*\)$/\1/p' err)"
-    expect 0 'small:one,iterations=[2-9]' run free-fall --duration 0.1 "${suggested[@]}"
+    expect 0 'small:one,iterations=([2-9]|[1-9][0-9]+):' run free-fall --duration 0.1 "${suggested[@]}"
     expect 3 'load-exit0.so: it called exit\(0\) while it was loaded' tune "${fall[@]}" --engine ./load-exit0.so
 fi
 
