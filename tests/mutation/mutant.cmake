@@ -1,0 +1,3 @@
+# Included by the project that mutate.py builds: every library gets the variable that activates a mutation.
+add_library(plumb_mutant STATIC ${CMAKE_SOURCE_DIR}/mutant.c)
+link_libraries(plumb_mutant)
