@@ -6,7 +6,7 @@
     mutate.py check                                    each mutation still fits the code
 
 One tree with all mutations is built in build/mutation; the variable PLUMB_MUTATION of the environment
-activates one of them. The tests of the mutated folder run first, then all others, until one fails.
+activates one of them. The tests that reach the mutated code run, those of its folder first, until one fails.
 The exit code is 1 where more than one mutation in twenty survives.
 """
 
@@ -28,6 +28,7 @@ BUILD = os.path.join(SOURCE, "build", "mutation")
 TREE = os.path.join(BUILD, "tree")
 HEADER = '#include "mutant.h"\n'
 PERMITTED_SURVIVORS = 0.05
+MOST_MUTATIONS = 4096  # as in mutant.c
 
 # The first pattern that matches a file names the tests that are most likely to notice.
 NEAR = (
@@ -89,12 +90,7 @@ def make_tree(listed):
     misfits = mutate_files(listed, TREE)
     if misfits:
         sys.exit("\n".join(f"{m['file']}: mutation {m['id']} does not fit the code" for m in misfits))
-    # Every library and plug-in reads the variable for itself when it is loaded.
-    with open(os.path.join(TREE, "mutant.c"), "w", encoding="utf-8") as file:
-        file.write('#include "mutant.h"\n#include <stdlib.h>\n__attribute__((weak)) int plumb_active_mutation;\n'
-                   "__attribute__((constructor)) static void read_mutation(void)\n{\n"
-                   '    const char *number = getenv("PLUMB_MUTATION");\n'
-                   "    plumb_active_mutation = number == NULL ? 0 : atoi(number);\n}\n")
+    shutil.copy2(os.path.join(HERE, "mutant.c"), TREE)
 
 
 def build_tree():
@@ -120,8 +116,10 @@ def tests_of(folder):
     return [t for t in tests if not re.match(r"test_(format|layers|comments|tidy|documentation|mutation|two_builds)", t["name"])]
 
 
-def passes(test, number, seconds):
+def passes(test, number, seconds, reached=None):
     environment = dict(os.environ, PLUMB_MUTATION=str(number), **test["environment"])
+    if reached is not None:
+        environment["PLUMB_MUTATIONS_REACHED"] = reached
     try:
         done = subprocess.run(test["command"], env=environment, cwd=test["folder"], stdin=subprocess.DEVNULL,
                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=seconds, check=False)
@@ -130,29 +128,32 @@ def passes(test, number, seconds):
     return done.returncode in (0, 77)
 
 
-def timed_tests(tests, jobs):
-    """The tests that pass without a mutation, each with the time that it takes, the quickest first."""
+def explored(tests, jobs):
+    """The tests that pass without a mutation, with the time that each takes and the mutations that it reaches."""
     def one(test):
+        path = os.path.join(BUILD, f"reached.{test['name']}")
+        with open(path, "wb") as file:
+            file.truncate(MOST_MUTATIONS)
         begin = time.monotonic()
-        return passes(test, 0, 600), time.monotonic() - begin
+        passed = passes(test, 0, 600, path)
+        with open(path, "rb") as file:
+            reached = [number for number, flag in enumerate(file.read()) if flag]
+        return dict(test, passed=passed, seconds=time.monotonic() - begin, reached=reached)
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        results = list(pool.map(one, tests))
-    timed = []
-    for test, (passed, seconds) in zip(tests, results):
-        if passed:
-            timed.append(dict(test, seconds=seconds))
-        else:
-            print(f"{test['name']} fails without a mutation, and is left out", file=sys.stderr)
-    return sorted(timed, key=lambda t: t["seconds"])
+        found = list(pool.map(one, tests))
+    for test in (t for t in found if not t["passed"]):
+        print(f"{test['name']} fails without a mutation, and is left out", file=sys.stderr)
+    return sorted((t for t in found if t["passed"]), key=lambda t: t["seconds"])
 
 
 def catcher(mutation, tests):
-    """The name of the first test that fails, or None."""
+    """The name of the first test that fails, or None, and how many tests reach the mutated code."""
     near = next((names for path, names in NEAR if re.search(path, mutation["file"])), "^$")
-    for test in sorted(tests, key=lambda t: (t["slow"], not re.match(near, t["name"]))):
+    reaching = [t for t in tests if mutation["id"] in t["reached"]]
+    for test in sorted(reaching, key=lambda t: (t["slow"], not re.match(near, t["name"]))):
         if not passes(test, mutation["id"], 30 + 10 * test["seconds"]):
-            return test["name"]
-    return None
+            return test["name"], len(reaching)
+    return None, len(reaching)
 
 
 def run(arguments):
@@ -160,13 +161,15 @@ def run(arguments):
     make_tree(listed)
     build_tree()
     tests = [t for t in tests_of(f"{BUILD}/built") if arguments.slow or not t["slow"]]
-    tests = timed_tests(tests, arguments.jobs)
+    print(f"{len(listed)} mutations, {len(tests)} tests", flush=True)
+    tests = explored(tests, arguments.jobs)
     chosen = [m for m in listed if not arguments.only or m["id"] in arguments.only]
     survivors = 0
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-        for mutation, caught in zip(chosen, pool.map(lambda m: catcher(m, tests), chosen)):
+        for mutation, (caught, reaching) in zip(chosen, pool.map(lambda m: catcher(m, tests), chosen)):
             survivors += caught is None
-            print(f"{mutation['id']:4} {caught or 'SURVIVED':32} {mutation['file']}: {mutation['about']}", flush=True)
+            fate = caught or f"SURVIVED {reaching} tests"
+            print(f"{mutation['id']:4} {fate:32} {mutation['file']}: {mutation['about']}", flush=True)
     print(f"{len(chosen) - survivors} of {len(chosen)} caught")
     return 1 if survivors > PERMITTED_SURVIVORS * len(chosen) else 0
 
