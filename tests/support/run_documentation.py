@@ -38,6 +38,7 @@ NOT_RUN = (
     (r"^\./compare/state\b", "this takes half an hour"),
     (r"^plumb check-engine jolt", "test_web_engines_slow checks the engines from npm"),
     (r"^cmake --workflow", "this builds once more"),
+    (r"^tests/(analysis|mutation|fuzz)/", "this builds once more, and takes minutes"),
     (r"^plumb solve --benchmark", "this takes ten minutes"),
     (r"^tests/benchmark/cost_by_size", "this takes a quarter of an hour"),
     (r"^plumb (threshold|sweep) .*--cpu-limit 20 --timeout 90", "this takes minutes; compare/state runs it"),
@@ -160,7 +161,7 @@ def main():
     programs = tempfile.mkdtemp()
     os.symlink(plumb, os.path.join(programs, "plumb"))
     # Debug: what a page has cmake build need not be optimised.
-    environment = dict(os.environ, PATH=f"{programs}:{build}:{os.environ['PATH']}", NO_COLOR="1", SOURCE=source,
+    environment = dict(os.environ, CMAKE_GENERATOR="Ninja", PATH=f"{programs}:{build}:{os.environ['PATH']}", NO_COLOR="1", SOURCE=source,
                        BUILD=build, CMAKE_BUILD_TYPE="Debug", OMPI_ALLOW_RUN_AS_ROOT="1",
                        OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     total = failures = 0
