@@ -217,6 +217,28 @@ assert all("no end within 1 s" in row["reason"] for row in rows if row["outcome"
 print(len(outcomes) + 1, "hangs of plug-ins")
 END
 
+# The offspring goes also where the harness is killed.
+cp "$BUILD/staged_engine.so" step-lost.so
+"$PLUMB" run ./scene.json --engine ./step-lost.so >/dev/null 2>&1 &
+killed=$!
+for ((i = 0; i < 100; ++i)); do
+    pgrep -f 'sleep 3217' >/dev/null && break
+    sleep 0.05
+done
+((i < 100)) || note_failure 'the offspring did not begin'
+kill -9 $killed
+wait $killed 2>/dev/null || true
+for ((i = 0; i < 100; ++i)); do
+    pgrep -f 'sleep 3217|step-lost.so' >/dev/null || break
+    sleep 0.05
+done
+((i < 100)) || note_failure 'the offspring outlives the harness'
+
+# With few descriptors there are fewer runs at a time.
+(ulimit -n 12 && "$PLUMB" compare ./scene.json --engine ./none-none.so --repeat 6 --jobs 30 --out few >/dev/null 2>err) ||
+    note_failure "few descriptors: $(cat err)"
+[[ $(wc -l <few/results.jsonl) == 6 ]] || note_failure 'few descriptors: runs are missing'
+
 # One run: the exit code says that it was not ok, and why.
 command=run
 for stage in load defaults step unload; do

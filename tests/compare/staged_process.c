@@ -373,6 +373,13 @@ static void fail_setsid(void)
     linger();
 }
 
+/* Hangs besides. */
+static void fail_lost(void)
+{
+    fail_setsid();
+    fail_hang();
+}
+
 /* Ends together with those that it leaves. */
 static void fail_orphans(void)
 {
@@ -499,6 +506,7 @@ const staged_fault staged_process_faults[] = {
     {"thread", fail_thread, 0},
     {"fork", fail_fork, 0},
     {"setsid", fail_setsid, 0},
+    {"lost", fail_lost, 0},
     {"orphans", fail_orphans, 0},
     {"disguise", fail_disguise, 0},
     {"stopped", fail_stopped_child, 0},
