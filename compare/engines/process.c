@@ -8,6 +8,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/pidfd.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -69,7 +70,7 @@ static void limit_resources(const pl_limits *limits)
 
 static void restore_signals(void)
 {
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGCHLD};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
         signal(numbers[i], SIG_DFL);
     }
@@ -78,34 +79,57 @@ static void restore_signals(void)
     sigprocmask(SIG_SETMASK, &none, NULL);
 }
 
-static _Noreturn void run_child(const pl_limits *limits, pid_t parent, int output, int answer,
-                                void (*job)(void *, FILE *), void *user)
+/* What a process starts with. */
+typedef struct job_def {
+    const pl_limits *limits;
+    void (*run)(void *user, FILE *answer);
+    void *user;
+} job_def;
+
+static _Noreturn void run_job(const job_def *job, pid_t supervisor)
 {
     setsid();
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) {
+    FILE *file = fdopen(ANSWER, "w");
+    if (getppid() != supervisor || file == NULL) {
         _exit(1);
     }
     restore_signals();
     /* Numbers are written with a point, whatever locale an engine sets: this thread has its own. */
     uselocale(newlocale(LC_ALL_MASK, "C", NULL));
-    int nothing = open("/dev/null", O_RDONLY);
-    if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0 ||
-        dup2(output, STDERR_FILENO) < 0 || (answer != ANSWER && dup2(answer, ANSWER) < 0)) {
-        _exit(1);
-    }
-    /* No other descriptor of the parent is left to the job. */
-    FILE *file = fdopen(ANSWER, "w");
-    if (file == NULL || close_range(ANSWER + 1, ~0U, 0) != 0 ||
-        fcntl(ANSWER, F_SETFD, FD_CLOEXEC) != 0) {
-        _exit(1);
-    }
     /* So that a last line is not lost in a buffer when the engine crashes. */
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
-    limit_resources(limits);
-    job(user, file);
+    limit_resources(job->limits);
+    job->run(job->user, file);
     fflush(stdout);
     _exit(fclose(file) == 0 ? 0 : EXIT_UNANSWERED);
+}
+
+/* Leaves no descriptor open but the standard ones and the answer. */
+static bool arrange_descriptors(int output, int answer)
+{
+    const int nothing = open("/dev/null", O_RDONLY);
+    return nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(output, STDOUT_FILENO) >= 0 &&
+           dup2(output, STDERR_FILENO) >= 0 && (answer == ANSWER || dup2(answer, ANSWER) >= 0) &&
+           close_range(ANSWER + 1, ~0U, 0) == 0 && fcntl(ANSWER, F_SETFD, FD_CLOEXEC) == 0;
+}
+
+static _Noreturn void run_supervisor(const job_def *job, pid_t parent, int output, int answer,
+                                     pl_supervision *told)
+{
+    pl_supervisor_begin(parent);
+    const pid_t self = getpid();
+    const pid_t pid = arrange_descriptors(output, answer) ? fork() : -1;
+    if (pid < 0) {
+        _exit(1);
+    }
+    if (pid == 0) {
+        munmap(told, sizeof *told);
+        run_job(job, self);
+    }
+    atomic_store(&told->job, pid);
+    close_range(STDIN_FILENO, ANSWER, 0);
+    pl_supervise(pid, told);
 }
 
 static void close_end(int *descriptor)
@@ -122,10 +146,13 @@ pl_status pl_process_start(pl_process *process, const pl_limits *limits,
     int output[2] = {-1, -1};
     int answer[2] = {-1, -1};
     pl_status status = PL_OK;
-    *process = (pl_process){.pid = -1, .handle = -1, .output = -1, .answer = -1};
+    *process = (pl_process){.supervisor = -1, .handle = -1, .output = -1, .answer = -1};
     process->text_capacity = CHUNK;
     process->text = malloc(process->text_capacity);
-    if (process->text == NULL) {
+    void *shared = mmap(NULL, sizeof *process->told, PROT_READ | PROT_WRITE,
+                        MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    process->told = shared == MAP_FAILED ? NULL : shared;
+    if (process->text == NULL || process->told == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory");
         goto cleanup;
     }
@@ -138,18 +165,15 @@ pl_status pl_process_start(pl_process *process, const pl_limits *limits,
     pid_t parent = getpid();
     process->started = pl_monotonic_seconds();
     process->deadline = process->started + limits->timeout;
-    process->pid = fork();
-    if (process->pid == 0) {
-        close(output[0]);
-        close(answer[0]);
-        run_child(limits, parent, output[1], answer[1], job, user);
+    process->supervisor = fork();
+    if (process->supervisor == 0) {
+        run_supervisor(&(job_def){limits, job, user}, parent, output[1], answer[1], process->told);
     }
-    process->handle = process->pid < 0 ? -1 : pidfd_open(process->pid, 0);
+    process->handle = process->supervisor < 0 ? -1 : pidfd_open(process->supervisor, 0);
     if (process->handle < 0) {
         status = pl_fail(error, PL_IO, "cannot start a process for a run: %s", strerror(errno));
-        if (process->pid > 0) {
-            kill(process->pid, SIGKILL);
-            waitpid(process->pid, NULL, 0);
+        if (process->supervisor > 0) {
+            pl_process_kill(process);
         }
         goto cleanup;
     }
@@ -246,10 +270,24 @@ static void take(pl_process *process, int *descriptor,
     }
 }
 
-static void kill_all(const pl_process *process)
+pid_t pl_process_job(const pl_process *process)
 {
-    kill(-process->pid, SIGKILL);
-    kill(process->pid, SIGKILL);
+    return atomic_load(&process->told->job);
+}
+
+void pl_process_end(const pl_process *process)
+{
+    kill(process->supervisor, SIGTERM);
+    kill(process->supervisor, SIGCONT); /* should the job have stopped it */
+}
+
+/* Waits for the supervisor. One that did not live to tell the job's end took the job with it. */
+static void reap(pl_process *process)
+{
+    while (waitpid(process->supervisor, &process->wait_status, 0) < 0 && errno == EINTR) {}
+    if (atomic_load(&process->told->has_ended)) {
+        process->wait_status = process->told->wait_status;
+    }
 }
 
 bool pl_process_advance(pl_process *process, const struct pollfd *polls)
@@ -263,14 +301,13 @@ bool pl_process_advance(pl_process *process, const struct pollfd *polls)
     if (polls[0].revents == 0) {
         if (!process->timed_out && pl_monotonic_seconds() >= process->deadline) {
             process->timed_out = true;
-            kill_all(process);
+            pl_process_end(process);
         }
         return false;
     }
-    /* It has ended: its offspring goes, and the pipes hold no more than their buffers. The bound is
-     * for one that fled the session and prints on. */
-    kill_all(process);
-    while (waitpid(process->pid, &process->wait_status, 0) < 0 && errno == EINTR) {}
+    /* It has ended with its offspring, and the pipes hold no more than their buffers. The bound is for
+     * one that could not be killed and prints on. */
+    reap(process);
     for (int i = 0; i < 64; ++i) {
         take(process, &process->output, keep_tail);
         take(process, &process->answer, keep_answer);
@@ -297,8 +334,8 @@ pl_status pl_process_wait(pl_process *process, pl_error *error)
 
 void pl_process_kill(pl_process *process)
 {
-    kill_all(process);
-    while (waitpid(process->pid, &process->wait_status, 0) < 0 && errno == EINTR) {}
+    pl_process_end(process);
+    reap(process);
 }
 
 void pl_process_free(pl_process *process)
@@ -308,6 +345,10 @@ void pl_process_free(pl_process *process)
     close_end(&process->answer);
     free(process->text);
     process->text = NULL;
+    if (process->told != NULL) {
+        munmap(process->told, sizeof *process->told);
+        process->told = NULL;
+    }
 }
 
 void pl_process_last_line(const pl_process *process, char text[201])

@@ -1,15 +1,16 @@
 /* A job in a process of its own, under limits. Its output and its answer are collected.
  *
- * The child leads its own session, so that it can be killed with all its offspring and no terminal
- * reaches it; it dies with its parent. Standard output and error are one pipe, of which the last
- * PL_OUTPUT_TAIL bytes are kept. The answer goes through another. The parent never blocks: it
- * polls.
+ * The job leads its own session, so that no terminal reaches it. All its offspring ends with it, and
+ * it ends with its caller: supervisor.h is between the two. Standard output and error are one pipe, of
+ * which the last PL_OUTPUT_TAIL bytes are kept. The answer goes through another. The parent never
+ * blocks: it polls.
  *
  * Linux (pidfd_open, prctl). */
 #ifndef PLUMB_PROCESS_H
 #define PLUMB_PROCESS_H
 
 #include "plumb/base.h"
+#include "supervisor.h"
 
 #include <poll.h>
 #include <stdbool.h>
@@ -30,13 +31,14 @@ typedef struct pl_limits {
     uint64_t memory; /* bytes that the process may take in its job; 0: no limit */
 } pl_limits;
 
-/* A child process. */
+/* A job's process, and its supervisor. */
 typedef struct pl_process {
-    pid_t pid;
-    int handle, output, answer; /* pidfd and reading ends; -1: closed */
+    pid_t supervisor;
+    pl_supervision *told;       /* by the supervisor */
+    int handle, output, answer; /* pidfd of the supervisor, and reading ends; -1: closed */
     double started, deadline;   /* s, of pl_monotonic_seconds */
     bool timed_out;
-    int wait_status;           /* as waitpid gives it, once ended */
+    int wait_status;           /* of the job, as waitpid gives it, once ended */
     char tail[PL_OUTPUT_TAIL]; /* the end of what it printed */
     size_t tail_length;
     char *text; /* the answer so far */
@@ -49,28 +51,34 @@ typedef struct pl_process {
 /* Seconds of a clock that is never set. */
 double pl_monotonic_seconds(void);
 
-/* Starts `job` in a child, which ends when the job returns. No descriptor of the caller is open in
+/* Starts `job` in a process, which ends when the job returns. No descriptor of the caller is open in
  * it but its standard output and error and the answer. What the job writes to `answer` is the
  * answer. PL_IO when no process or pipe can be made. */
 pl_status pl_process_start(pl_process *process, const pl_limits *limits,
                            void (*job)(void *user, FILE *answer), void *user, pl_error *error);
 
-/* In the child: limits the memory that is taken from now on to so many bytes, whatever the process has
+/* In the job: limits the memory that is taken from now on to so many bytes, whatever the process has
  * already; 0: no limit. A job may do so again. */
 void pl_process_limit_memory(uint64_t memory);
 
 /* Fills polls[PL_PROCESS_POLLS] with the events to wait for. */
 void pl_process_polls(const pl_process *process, struct pollfd *polls);
 
-/* Collects output and answer so far, and kills the child when its time is up. True when the child
- * has ended and everything is collected and closed: pl_process_free is then due. */
+/* Collects output and answer so far, and kills the job when its time is up. True when the job and its
+ * offspring have ended and everything is collected and closed: pl_process_free is then due. */
 bool pl_process_advance(pl_process *process, const struct pollfd *polls);
 
-/* Waits until the child has ended, when pl_process_free is due. PL_IO: it could not be waited for;
+/* Waits until the job has ended, when pl_process_free is due. PL_IO: it could not be waited for;
  * it was killed and freed. */
 pl_status pl_process_wait(pl_process *process, pl_error *error);
 
-/* Kills the child with its offspring and waits for its end. */
+/* The job's process; 0: it has not started yet. */
+pid_t pl_process_job(const pl_process *process);
+
+/* Has the job and its offspring killed. Does not wait: pl_process_advance says when they have ended. */
+void pl_process_end(const pl_process *process);
+
+/* The same, and waits for their end. */
 void pl_process_kill(pl_process *process);
 
 /* Frees what an ended process holds. */

@@ -8,10 +8,12 @@
 #include "schedule.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
 
@@ -20,8 +22,9 @@ typedef struct slot {
     bool busy;
     int cpus; /* of the run */
     pl_isolated_run run;
-    char *positions; /* path, or NULL */
-    char *recording; /* path of the raw file, or NULL */
+    struct pollfd *polls; /* (PL_PROCESS_POLLS), of the last poll */
+    char *positions;      /* path, or NULL */
+    char *recording;      /* path of the raw file, or NULL */
     const pl_scene *scene;
     pl_scene built; /* of a deferred case */
 } slot;
@@ -29,7 +32,7 @@ typedef struct slot {
 typedef struct execution {
     const pl_execution_def *def;
     slot *slots;          /* (def->jobs) */
-    struct pollfd *polls; /* (def->jobs x PL_PROCESS_POLLS, and one for signals) */
+    struct pollfd *polls; /* one for signals, then PL_PROCESS_POLLS of each busy slot */
     long next;            /* run to start */
     bool *due;            /* (size of the plan): counted by the bar, and not begun */
     pl_schedule schedule;
@@ -152,6 +155,22 @@ static pl_status report_fault(execution *e, const pl_engine_fault *fault, const 
     return status;
 }
 
+/* Whether a run may begin beside those in progress: its pipes, and the files that are opened for a moment,
+ * must not take the last descriptors. */
+static bool has_descriptors(const execution *e)
+{
+    enum { NEEDED = 12 };
+    struct rlimit limit;
+    if (e->schedule.runs == 0 || getrlimit(RLIMIT_NOFILE, &limit) != 0) {
+        return true;
+    }
+    const int lowest = fcntl(e->signals, F_DUPFD_CLOEXEC, 0);
+    if (lowest >= 0) {
+        close(lowest);
+    }
+    return lowest >= 0 && (rlim_t)lowest + NEEDED <= limit.rlim_cur;
+}
+
 /* Starts the next run that is due in a free slot. */
 static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
 {
@@ -167,7 +186,7 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
         const pl_engine_choice *choice = &planned.configuration->choice;
         const int threads = pl_engine_threads(choice->engine, choice->values);
         /* Runs begin in the order of the plan: this one waits, and those after it. */
-        if (!done && !pl_schedule_has_room(&e->schedule, threads)) {
+        if (!done && !(pl_schedule_has_room(&e->schedule, threads) && has_descriptors(e))) {
             json_decref(identity);
             return PL_OK;
         }
@@ -265,19 +284,19 @@ static int patience(const execution *e)
 static pl_status wait_and_collect(execution *e, int *signal_number, pl_error *error)
 {
     const int jobs = e->def->jobs;
-    struct pollfd *signals = &e->polls[jobs * PL_PROCESS_POLLS];
     pl_status status = PL_OK;
+    /* No more than are open: poll(2) takes no more than the limit on descriptors. */
+    struct pollfd *signals = e->polls;
+    nfds_t count = 1;
+    *signals = (struct pollfd){.fd = e->signals, .events = POLLIN};
     for (int i = 0; i < jobs; ++i) {
-        struct pollfd *polls = &e->polls[i * PL_PROCESS_POLLS];
-        for (int k = 0; k < PL_PROCESS_POLLS; ++k) {
-            polls[k] = (struct pollfd){.fd = -1};
-        }
         if (e->slots[i].busy) {
-            pl_process_polls(&e->slots[i].run.process, polls);
+            e->slots[i].polls = &e->polls[count];
+            pl_process_polls(&e->slots[i].run.process, &e->polls[count]);
+            count += PL_PROCESS_POLLS;
         }
     }
-    *signals = (struct pollfd){.fd = e->signals, .events = POLLIN};
-    if (poll(e->polls, (nfds_t)jobs * PL_PROCESS_POLLS + 1, patience(e)) < 0) {
+    if (poll(e->polls, count, patience(e)) < 0) {
         return errno == EINTR ? PL_OK : pl_fail(error, PL_IO, "poll: %s", strerror(errno));
     }
     struct signalfd_siginfo info;
@@ -289,8 +308,7 @@ static pl_status wait_and_collect(execution *e, int *signal_number, pl_error *er
         if (e->slots[i].busy) {
             pl_isolated_run_look(&e->slots[i].run);
         }
-        if (e->slots[i].busy &&
-            pl_process_advance(&e->slots[i].run.process, &e->polls[i * PL_PROCESS_POLLS])) {
+        if (e->slots[i].busy && pl_process_advance(&e->slots[i].run.process, e->slots[i].polls)) {
             status = finish(e, &e->slots[i], error);
         }
     }

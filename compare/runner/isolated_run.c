@@ -5,11 +5,9 @@
 #include "results/run_verdict.h"
 
 #include <errno.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <sys/wait.h>
 
 /* In the child: the result as JSON is the answer, with the number of final poses in the place of
  * these; they follow as doubles, since of many bodies they are nearly all of it. */
@@ -189,8 +187,8 @@ void pl_isolated_run_look(pl_isolated_run *run)
     if (!(run->limits.cpu_time > 0)) {
         return;
     }
-    const double cpu_time =
-        pl_cpu_time_of(run->process.pid) + pl_cpu_time_of(atomic_load(&run->def.watch->program));
+    const double cpu_time = pl_cpu_time_of(pl_process_job(&run->process)) +
+                            pl_cpu_time_of(atomic_load(&run->def.watch->program));
     const bool is_limited =
         stage == PL_STAGE_CREATE || stage == PL_STAGE_STEP || stage == PL_STAGE_READ;
     if (!is_limited || stage != run->call || step != run->call_step) {
@@ -198,7 +196,8 @@ void pl_isolated_run_look(pl_isolated_run *run)
         run->call_step = step;
         run->call_cpu_time = cpu_time;
     } else if (cpu_time - run->call_cpu_time > run->limits.cpu_time) {
-        kill(run->process.pid, SIGPROF);
+        run->is_over_limit = true;
+        pl_process_end(&run->process);
     }
 }
 
@@ -215,8 +214,7 @@ static json_t *missing_outcome(const pl_isolated_run *run)
     }
     pl_process_describe_end(&run->process, run->limits.timeout, where, outcome.reason,
                             sizeof outcome.reason);
-    if (WIFSIGNALED(run->process.wait_status) && WTERMSIG(run->process.wait_status) == SIGPROF &&
-        run->limits.cpu_time > 0) {
+    if (run->is_over_limit) {
         outcome.outcome = PL_OUTCOME_TIMEOUT;
         snprintf(outcome.reason, sizeof outcome.reason,
                  "the engine's calls took more than the --cpu-limit of %g s: killed %s",

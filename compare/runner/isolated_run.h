@@ -17,6 +17,7 @@ typedef struct pl_isolated_run {
     int call;
     long call_step;
     double call_cpu_time; /* s */
+    bool is_over_limit;   /* a call took more than the limit of CPU time */
 } pl_isolated_run;
 
 /* Starts the run. `def` is copied, its `watch`, `cpu_limit` and `memory_limit` are not used; what it points to

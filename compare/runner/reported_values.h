@@ -5,7 +5,8 @@
 
 #include "plumb/contact_times.h"
 
-/* Checks the statistics of a step: each is NAN (unknown), or finite and at least 0. PL_FAILED. */
+/* Checks the statistics of a step: each is NAN (unknown), or finite and at least 0, and a count
+ * at most 1e12. PL_FAILED. */
 pl_status pl_check_stats(const pl_step_stats *stats, long step, pl_error *error);
 
 /* Checks `count` contacts of a step, of an engine that reports the PL_CONTACTS_* bits `reported`:

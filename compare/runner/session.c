@@ -112,6 +112,15 @@ pl_status pl_session_load(pl_session *session, pl_error *error)
     return info->path == NULL ? PL_OK : check_same_binary(info, mapped, error);
 }
 
+/* The message that an engine wrote ends, whatever it wrote. */
+static pl_status end_message(pl_status status, pl_error *error)
+{
+    if (error != NULL) {
+        error->message[sizeof error->message - 1] = '\0';
+    }
+    return status;
+}
+
 static pl_status fill_pairs(pl_session *session, const pl_scene *scene, pl_error *error)
 {
     const int count = scene->material_count;
@@ -147,7 +156,8 @@ pl_status pl_session_create(pl_session *session, const pl_scene *scene, pl_error
     pl_scene_bounds(scene, session->setup.lower, session->setup.upper);
     session->steps = 0;
     before_call(session, PL_STAGE_CREATE);
-    status = session->loaded.table.create(&session->setup, &session->instance, error);
+    status = end_message(session->loaded.table.create(&session->setup, &session->instance, error),
+                         error);
     after_call(session, PL_CALLS_CREATE);
     if (status == PL_OK && session->instance == NULL) {
         status = pl_fail(error, PL_FAILED, "create returned PL_OK, but made no instance");
@@ -168,8 +178,8 @@ pl_status pl_session_step(pl_session *session, pl_step_stats *stats, pl_call_cos
                              .time_other = NAN};
     before_call(session, PL_STAGE_STEP);
     session->steps += 1;
-    pl_status status =
-        session->loaded.table.step(session->instance, session->setup.dt, stats, error);
+    const pl_status status = end_message(
+        session->loaded.table.step(session->instance, session->setup.dt, stats, error), error);
     const pl_call_cost spent = after_call(session, PL_CALLS_STEP);
     if (cost != NULL) {
         *cost = spent;
@@ -283,9 +293,15 @@ void pl_session_read_settings(pl_session *session, pl_engine_settings *settings)
         }
     }
     if (session->loaded.table.read_settings != NULL) {
+        pl_engine_settings given = *settings; /* the arrays are the caller's */
         before_call(session, PL_STAGE_SETTINGS);
-        session->loaded.table.read_settings(session->instance, settings);
+        session->loaded.table.read_settings(session->instance, &given);
         after_call(session, PL_CALLS_OTHER);
+        given.struct_size = settings->struct_size;
+        given.body_count = settings->body_count;
+        given.mass = settings->mass;
+        given.inertia = settings->inertia;
+        *settings = given;
     }
 }
 

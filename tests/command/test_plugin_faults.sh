@@ -19,65 +19,114 @@ cat >scene.json <<'END'
 END
 # A sanitizer leaves crashes to the harness, and allows no limit of memory.
 export ASAN_OPTIONS=handle_segv=0:handle_abort=0:detect_leaks=0
-stages=(load ask defaults extension create settings pair step frame contacts destroy unload)
-faults=(exit0 exit7 abort crash print escape chdir standard close write forge limits rounding traps
-    signals environment locale)
-once=(create-list step-flood step-fork create-silent step-silent contacts-many contacts-negative
-    contacts-double step-iterations step-residual step-contacts step-time contacts-self contacts-index
-    contacts-normal contacts-point)
-
-engines=()
-add() {
-    cp "$BUILD/staged_engine.so" "$1.so"
-    engines+=(--engine "./$1.so,label=$1")
-}
-add none-none
-for stage in "${stages[@]}"; do
-    for fault in "${faults[@]}"; do
-        add "$stage-$fault"
-    done
-done
-for name in "${once[@]}"; do
-    add "$name"
-done
-add none-last
-# A descriptor of the caller, which no engine may see.
-exec 7>mine.txt
-code=0
-"$PLUMB" compare ./scene.json "${engines[@]}" --jobs 2 --out results --json - >all.json 2>err </dev/null || code=$?
-exec 7>&-
-[[ $code == 0 ]] || note_failure "exit code $code: $(tail -3 err)"
-[[ ! -s mine.txt ]] || note_failure "an engine wrote into a file of the caller"
-[[ -s results/results.jsonl && -s results/index.html ]] || note_failure "the results are elsewhere"
-if grep -qP '[^\x20-\x7e\n]' <(LC_ALL=C tr -d '\200-\377' <err); then
-    note_failure "control characters on standard error"
-fi
-
+# STAGES FAULT OUTCOME [REASON]. STAGES: "all", or names with commas between; FAULT: of staged_faults.c; OUTCOME: "same" is ok
+# with the numbers of the engine without a fault, "any" is some outcome; REASON: a regular expression, in which @ is the stage.
+cat >faults.txt <<'END'
+none none same
+none last same
+all exit0 crashed it called exit\(0\) @
+all exit7 crashed it called exit\(7\) @
+all abort crashed SIGABRT @.*; last line: \?\[31mit cannot go on
+all crash crashed SIGSEGV @
+all forge crashed it called exit\(0\) @
+all print,escape,chdir,standard,rounding,traps,signals,environment,locale same
+all close crashed the engine closed or wrote into a descriptor that is not its own
+load,ask,create,settings,pair,step,frame,contacts,destroy,unload write crashed the engine closed or wrote into a descriptor
+defaults,extension write same
+all limits any
+step ill crashed SIGILL @
+step fpe crashed SIGFPE @
+step trap crashed SIGTRAP @
+step sys crashed SIGSYS @
+step pipe crashed SIGPIPE @
+step term crashed SIGTERM @
+step int crashed SIGINT @
+step xcpu crashed SIGXCPU @
+step realtime crashed SIG.* @
+step,create kill crashed SIGKILL \(out of memory\?\) @
+step,create killgroup crashed SIGKILL \(out of memory\?\) @
+step,create killparent crashed SIGKILL \(out of memory\?\) @
+step alarm crashed SIGALRM @
+step,load bus crashed SIGBUS @
+step,settings constant crashed SIGSEGV @
+step,load stack crashed SIGSEGV @
+step,destroy free crashed SIGABRT @
+step,load quick crashed it called exit\(8\) @
+step,load threadabort crashed SIGABRT @
+step,load exec crashed it called exit\(0\) @
+step,load atexitabort crashed SIGABRT @
+step longjmp any
+step,load atexit crashed SIGABRT while it was unloaded
+step,load flood,errors,line same
+step,load folder,x87,cleared,nice,undumpable,thread same
+step,frame replaced crashed the engine closed or wrote into a descriptor that is not its own
+step descriptors any
+create list same
+load,create,step,unload fork,setsid,disguise,stopped same
+create,step,destroy orphans crashed it called exit\(7\) @
+step,load bomb same
+step,create,load memory crashed SIGABRT @; last line: no more memory
+step,create unchecked crashed SIGSEGV @
+step,create hoard any
+create,step silent crashed the engine reported a failure, and gave no reason
+create,step status crashed the engine reported a failure, and gave no reason
+create,step refusal unsupported the engine refused, and gave no reason
+create,step endless crashed ^x{500,511}$
+create nothing crashed create returned PL_OK, but made no instance
+frame frame same
+settings arrays same
+contacts many crashed read_contacts returned 2000000000 for a capacity of
+contacts double crashed read_contacts returned
+contacts negative crashed the engine reports -3 contacts at step 3
+step position_nan,orientation_nan,velocity_nan,spin_nan nonfinite step 3
+step position_inf,orientation_inf,velocity_inf,spin_inf nonfinite step 3
+step position_huge,velocity_huge diverged step 3
+step orientation_huge,spin_huge diverged|crashed|nonfinite .
+step iterations_negative crashed the engine reports -3 iterations at step 3
+step iterations_huge crashed the engine reports 1e\+300 iterations at step 3
+step residual_negative crashed the engine reports -3 as residual at step 3
+step residual_inf crashed the engine reports inf as residual at step 3
+step contacts_negative crashed the engine reports -3 contacts at step 3
+step contacts_huge crashed the engine reports 1e\+300 contacts at step 3
+step islands_negative crashed the engine reports -3 islands at step 3
+step islands_huge crashed the engine reports 1e\+300 islands at step 3
+step time_negative crashed the engine reports -3 s as time_solve at step 3
+step time_inf crashed the engine reports inf s as time_solve at step 3
+contacts body_zero crashed the engine reports a contact of body 0 with itself at step 3
+contacts body_huge crashed the engine reports a contact of body 99 at step 3, and the scene has bodies 0 to
+contacts body_negative crashed the engine reports a contact of body -3 at step 3
+contacts normal_three crashed a contact of bodies 0 and 1 at step 3 whose normal has the length 3
+contacts normal_huge crashed a contact of bodies 0 and 1 at step 3 whose normal has the length
+contacts normal_nan,normal_inf crashed a contact of bodies 0 and 1 at step 3 whose normal is not finite
+contacts point_nan,point_inf crashed a contact of bodies 0 and 1 at step 3 whose point is not finite
+contacts separation_nan,separation_inf crashed a contact of bodies 0 and 1 at step 3 whose separation is not finite
+settings gravity_three,gravity_inf,gravity_huge unsupported gravity x, m/s\^2: the scene has
+settings dt_three,dt_negative,dt_inf unsupported step, s: the scene has
+settings damping_three unsupported linear damping, 1/s: the scene has
+pair friction_negative,friction_inf,friction_huge unsupported friction between
+pair restitution_three,restitution_inf unsupported restitution between
+END
 cat >rows.py <<'END'
-import json, sys
+import json, re, sys
 
-stages = {"load": "while it was loaded", "ask": "while it was loaded",
+STAGES = "load ask defaults extension create settings pair step frame contacts destroy unload".split()
+PLACES = {"load": "while it was loaded", "ask": "while it was loaded",
           "defaults": "while it was asked for the defaults of profile default",
           "extension": "while it was asked for an extension", "create": "in create",
           "settings": "while its settings were read back",
           "pair": "while its settings were read back", "step": "in step 3 of 10",
           "frame": "while its state was read, 3 of 10", "contacts": "while its state was read, 3 of 10",
           "destroy": "in destroy, 10 of 10", "unload": "while it was unloaded"}
-ends = {"exit0": "it called exit(0) ", "forge": "it called exit(0) ", "exit7": "it called exit(7) ",
-        "abort": "SIGABRT ", "crash": "SIGSEGV "}
-FOREIGN = ": the engine closed or wrote into a descriptor that is not its own"
-reasons = {"silent": "the engine reported a failure, and gave no reason",
-           "many": "read_contacts returned 2000000000 for a capacity of ",
-           "negative": "the engine reports -3 contacts at step 3",
-           "iterations": "the engine reports -3 iterations at step 3",
-           "residual": "the engine reports inf as residual at step 3",
-           "contacts": "the engine reports -1 contacts at step 3",
-           "time": "the engine reports -0.5 s as time_solve at step 3",
-           "self": "the engine reports a contact of body 1 with itself at step 3",
-           "index": "the engine reports a contact of body 99 at step 3, and the scene has bodies 0 to ",
-           "normal": "the engine reports a contact of bodies 0 and 1 at step 3 whose normal has the length 3",
-           "point": "the engine reports a contact of bodies 0 and 1 at step 3 whose point is not finite",
-           "double": "read_contacts returned "}
+expected = {}
+for line in open("faults.txt"):
+    stages, faults, outcome, reason = (line.split(maxsplit=3) + [""])[:4]
+    for stage in STAGES if stages == "all" else stages.split(","):
+        for fault in faults.split(","):
+            expected[f"{stage}-{fault}"] = (outcome, reason.strip().replace("@", PLACES.get(stage, "")))
+if len(sys.argv) == 1:
+    sys.exit(print("\n".join(expected)))
+rows = {row["label"]: row for row in json.load(open(sys.argv[1]))}
+good = rows["none-none"]
 failed = []
 
 
@@ -86,64 +135,109 @@ def check(right, label, what):
         failed.append(f"{label}: {what}")
 
 
-def same_numbers(row, good):
+def same_numbers(row):
     for name, metric in good["metrics"].items():
         mine = row["metrics"].get(name, {})
         if metric["deterministic"] and mine.get("value") != metric["value"]:
             return False
-    return row["final_poses"] == good["final_poses"]
+    return row["final_poses"] == good["final_poses"] and row["steps"] == {"asked": 10, "done": 10}
 
 
-rows = {row["label"]: row for row in json.load(open("all.json"))}
-good = rows["none-none"]
-check(good["outcome"] == "ok" and good["output"] is None, "none-none", good["reason"])
-for label, row in rows.items():
-    stage, fault = label.split("-")
-    reason = row["reason"] or ""
-    said = (row["outcome"], reason)
-    if fault in ends:
-        check(row["outcome"] == "crashed" and reason.startswith(ends[fault] + stages[stage]), label, said)
-    elif fault in ("close", "write") and not (stage in ("defaults", "extension") and fault == "write"):
-        check(row["outcome"] == "crashed" and FOREIGN in reason, label, said)
-    elif fault in reasons:
-        check(row["outcome"] == "crashed" and reason.startswith(reasons[fault]), label, said)
-    elif fault == "limits":
-        check(row["outcome"] in ("ok", "crashed") and (row["outcome"] == "ok") == (reason == ""), label, said)
+for label, (outcome, reason) in expected.items():
+    row = rows.pop(label, {"outcome": "no row", "reason": None})
+    said = row["reason"] or ""
+    if outcome == "same":
+        check(row["outcome"] == "ok" and same_numbers(row), label, (row["outcome"], said))
+    elif outcome == "any":
+        check(row["outcome"] == "ok" or said, label, (row["outcome"], said))
     else:
-        check(row["outcome"] == "ok" and row["steps"] == {"asked": 10, "done": 10}, label, said)
-        check(same_numbers(row, good), label, "its numbers differ")
-    check(not any(ord(c) < 32 for c in reason), label, "control characters in its reason")
-shown = [label for label, row in rows.items() if row["output"] and "from the engine" in row["output"]]
-unseen = ("defaults", "extension")  # those are not called in the run itself
-check(sorted(shown) == sorted(f"{s}-print" for s in stages if s not in unseen), "print", shown)
-check("[31mred" in rows["step-escape"]["output"] and "\033" not in rows["step-escape"]["output"],
-      "step-escape", rows["step-escape"]["output"])
-check(len(rows["step-flood"]["output"]) == 2000, "step-flood", "the end of the output is kept")
-for entry in rows["create-list"]["output"].split():
-    number, target = entry.split(":", 1)
-    right = {"0": target == "/dev/null", "1": target.startswith("pipe"), "2": target.startswith("pipe"),
-             "3": target.startswith("pipe")}
-    check(right.get(number, "perf_event" in target), "create-list", entry)
-check(len(rows) == int(sys.argv[1]), "all", f"{len(rows)} rows of {sys.argv[1]}")
+        check(re.fullmatch(outcome, row["outcome"]) and re.search(reason, said), label, (row["outcome"], said))
+    check(not any(ord(c) < 32 for c in said), label, "control characters in its reason")
+    # Printing shows where the stage is one of the run itself, and nothing else does.
+    stage, fault = label.split("-")
+    shown = "from the engine" in (row.get("output") or "")
+    check(shown == (fault == "print" and stage not in ("defaults", "extension")), label, "its output")
+    if label == "step-escape":
+        check("[31mred" in row["output"] and "\033" not in row["output"], label, row["output"])
+    if fault in ("flood", "errors", "line") and stage == "step":
+        check(len(row["output"]) == 2000, label, "the end of the output is kept")
+    for entry in row["output"].split() if label == "create-list" else []:
+        number, target = entry.split(":", 1)
+        right = {"0": target == "/dev/null", "1": target.startswith("pipe"), "2": target.startswith("pipe"),
+                 "3": target.startswith("pipe")}
+        check(right.get(number, "perf_event" in target), label, entry)
+check(good["outcome"] == "ok" and good["output"] is None, "none-none", good["reason"])
+check(not rows, "all", f"rows that nothing was run for: {list(rows)}")
+print(f"{len(expected)} faults of plug-ins, {len({label.split('-')[1] for label in expected})} kinds, {len(failed)} wrong")
 sys.exit("\n".join(failed) or 0)
 END
-python3 rows.py $((${#engines[@]} / 2)) || failed=1
 
-# A hang at each stage is a timeout of its own row; all at the same time, because each takes its limit.
-for stage in "${stages[@]}"; do
-    cp "$BUILD/staged_engine.so" "$stage-hang.so"
-    "$PLUMB" compare ./scene.json --engine ./none-none.so,label=before --engine "./$stage-hang.so,label=hang" \
-        --engine ./none-none.so,label=after --timeout 2 --out "hang-$stage" >/dev/null 2>&1 &
+# A hang is a timeout of its own row, also one that hears no signal or stops what watches it.
+hangs=()
+for name in {load,ask,defaults,extension,create,settings,pair,step,frame,contacts,destroy,unload}-hang step-{stop,deaf,spin} create-stopparent; do
+    cp "$BUILD/staged_engine.so" "$name.so"
+    hangs+=(--engine "./$name.so,label=$name")
 done
-wait
-python3 - "${stages[@]}" <<'END' || failed=1
-import json, sys
-for stage in sys.argv[1:]:
-    rows = [json.loads(line) for line in open(f"hang-{stage}/results.jsonl")]
-    outcomes = {row["label"]: row["outcome"] for row in rows}
-    assert outcomes == {"before": "ok", "hang": "timeout", "after": "ok"}, (stage, outcomes)
-    assert "no end within 2 s" in rows[1]["reason"], (stage, rows[1]["reason"])
+cp "$BUILD/staged_engine.so" none-none.so
+"$PLUMB" compare ./scene.json --engine ./none-none.so,label=before "${hangs[@]}" --engine ./none-none.so,label=after \
+    --timeout 1 --jobs 30 --out hangs >/dev/null 2>hangs.err &
+hanging=$!
+
+engines=()
+for name in $(python3 rows.py); do
+    cp "$BUILD/staged_engine.so" "$name.so"
+    engines+=(--engine "./$name.so,label=$name")
+done
+memory=(--memory 0.25)
+! grep -q __asan_init "$PLUMB" || memory=()
+# A descriptor of the caller, which no engine may see.
+exec 7>mine.txt
+code=0
+"$PLUMB" compare ./scene.json "${engines[@]}" "${memory[@]}" --jobs 2 --out results --json - >all.json 2>err </dev/null || code=$?
+exec 7>&-
+[[ $code == 0 ]] || note_failure "exit code $code: $(tail -3 err)"
+[[ ! -s mine.txt ]] || note_failure "an engine wrote into a file of the caller"
+[[ -s results/results.jsonl && -s results/index.html ]] || note_failure "the results are elsewhere"
+if grep -qP '[^\x20-\x7e\n]' <(LC_ALL=C tr -d '\200-\377' <err); then
+    note_failure "control characters on standard error"
+fi
+python3 rows.py all.json || failed=1
+# The command of what was forked without exec is that of plumb.
+pgrep -fa "sleep 3217|compare ./scene.json .*disguise.*--out results" && note_failure "an engine's offspring is left"
+
+wait $hanging || note_failure "hangs: exit code $?: $(cat hangs.err)"
+python3 - <<'END' || failed=1
+import json
+rows = [json.loads(line) for line in open("hangs/results.jsonl")]
+outcomes = {row["label"]: row["outcome"] for row in rows}
+assert outcomes.pop("before") == outcomes.pop("after") == "ok", outcomes
+outcomes.pop("create-stopparent")
+assert len(outcomes) == 15 and set(outcomes.values()) == {"timeout"}, outcomes
+assert all("no end within 1 s" in row["reason"] for row in rows if row["outcome"] == "timeout"), rows
+print(len(outcomes) + 1, "hangs of plug-ins")
 END
+
+# The offspring goes also where the harness is killed.
+cp "$BUILD/staged_engine.so" step-lost.so
+"$PLUMB" run ./scene.json --engine ./step-lost.so >/dev/null 2>&1 &
+killed=$!
+for ((i = 0; i < 100; ++i)); do
+    pgrep -f 'sleep 3217' >/dev/null && break
+    sleep 0.05
+done
+((i < 100)) || note_failure 'the offspring did not begin'
+kill -9 $killed
+wait $killed 2>/dev/null || true
+for ((i = 0; i < 100; ++i)); do
+    pgrep -f 'sleep 3217|step-lost.so' >/dev/null || break
+    sleep 0.05
+done
+((i < 100)) || note_failure 'the offspring outlives the harness'
+
+# With few descriptors there are fewer runs at a time.
+(ulimit -n 12 && "$PLUMB" compare ./scene.json --engine ./none-none.so --repeat 6 --jobs 30 --out few >/dev/null 2>err) ||
+    note_failure "few descriptors: $(cat err)"
+[[ $(wc -l <few/results.jsonl) == 6 ]] || note_failure 'few descriptors: runs are missing'
 
 # One run: the exit code says that it was not ok, and why.
 command=run

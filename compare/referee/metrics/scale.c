@@ -4,12 +4,16 @@
  * D)), where H is the height of the scene and D its diameter. In free fall over the whole run it
  * gains |g| T, by the scene's forces F T / m, and an elastic collision with far heavier bodies at
  * most doubles its speed. The bound 100 v + 100 m/s + |g| T + F T / m is beyond all of these. The
- * speed of an unstable engine grows exponentially and passes the bound within a few steps. */
+ * speed of an unstable engine grows exponentially and passes the bound within a few steps.
+ *
+ * No place is farther from where the body began than that speed and the duration take it. Bodies that
+ * overlap are moved apart without a speed: that is what D and 100 m are added for. */
 #include "scale.h"
 
 #include "referee/geometry/solid.h"
 
 static const double MAX_ENERGY_GAIN = 10;
+static const double ROOM = 100; /* m */
 
 static pl_vec centre_of(const pl_body *body)
 {
@@ -91,7 +95,8 @@ pl_scale pl_scale_of(const pl_scene *scene)
     double height = gravity > 0 ? span(scene, pl_vec_scale(g, 1 / gravity)) : 0;
     pl_vec spans = {span(scene, (pl_vec){1, 0, 0}), span(scene, (pl_vec){0, 1, 0}),
                     span(scene, (pl_vec){0, 0, 1})};
-    double fall = 2 * gravity * (height + pl_vec_length(spans));
+    const double diameter = pl_vec_length(spans);
+    double fall = 2 * gravity * (height + diameter);
     double impulse = 0;
     double pushed = force_speed(scene, &impulse);
     double weight = mass * gravity;
@@ -102,6 +107,7 @@ pl_scale pl_scale_of(const pl_scene *scene)
     scale.angular_momentum = fmax(scale.momentum * farthest, 1e-300);
     scale.speed_bound =
         100 * sqrt(fastest * fastest + fall) + 100 + gravity * scene->duration + pushed;
+    scale.travel_bound = scale.speed_bound * scene->duration + diameter + ROOM;
     return scale;
 }
 
@@ -150,13 +156,23 @@ pl_ending pl_check_bounds(const pl_scene *scene, const pl_scale *scale, const pl
                           double energy_gain, long step, pl_error *error)
 {
     for (int i = 0; i < scene->body_count; ++i) {
-        double speed = pl_vec_length(pl_vec_of(bodies[i].velocity)) +
-                       pl_bounding_radius(&scene->bodies[i].shape) *
-                           pl_vec_length(pl_vec_of(bodies[i].angular_velocity));
-        if (!scene->bodies[i].is_static && !(speed <= scale->speed_bound)) {
+        const pl_body *body = &scene->bodies[i];
+        double speed =
+            pl_vec_length(pl_vec_of(bodies[i].velocity)) +
+            pl_bounding_radius(&body->shape) * pl_vec_length(pl_vec_of(bodies[i].angular_velocity));
+        double travel =
+            pl_vec_length(pl_vec_sub(pl_vec_of(bodies[i].position), pl_vec_of(body->position)));
+        if (!body->is_static && !(speed <= scale->speed_bound)) {
             (void)pl_fail(error, PL_FAILED,
                           "body \"%s\" moves at %.3g m/s at step %ld, beyond the scene's %.3g m/s",
-                          scene->bodies[i].name, speed, step, scale->speed_bound);
+                          body->name, speed, step, scale->speed_bound);
+            return PL_ENDING_DIVERGED;
+        }
+        if (!body->is_static && !(travel <= scale->travel_bound)) {
+            (void)pl_fail(error, PL_FAILED,
+                          "body \"%s\" is %.3g m from where it began at step %ld, beyond the "
+                          "scene's %.3g m",
+                          body->name, travel, step, scale->travel_bound);
             return PL_ENDING_DIVERGED;
         }
     }

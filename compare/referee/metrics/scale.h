@@ -20,7 +20,8 @@ typedef struct pl_scale {
     /* N m s: momentum x (the largest distance of a dynamic body's centre from the origin at the
      * start, plus its r). */
     double angular_momentum;
-    double speed_bound; /* m/s: no point of a body is faster in a valid run; see scale.c */
+    double speed_bound;  /* m/s: no point of a body is faster in a valid run; see scale.c */
+    double travel_bound; /* m: no body goes farther in a valid run */
 } pl_scale;
 
 /* The scales of the scene's initial state. */
@@ -32,7 +33,7 @@ pl_ending pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, lo
                           pl_error *error);
 
 /* PL_ENDING_DIVERGED, with the reason in `error`, when a point of a dynamic body is faster than
- * scale->speed_bound, or when the current `energy_gain` (the metric) exceeds 10. A free fall,
+ * scale->speed_bound, when one is farther than scale->travel_bound from where it began, or when the current `energy_gain` (the metric) exceeds 10. A free fall,
  * however long, gains no energy. */
 pl_ending pl_check_bounds(const pl_scene *scene, const pl_scale *scale, const pl_body_state *bodies,
                           double energy_gain, long step, pl_error *error);
