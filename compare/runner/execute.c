@@ -152,6 +152,18 @@ static pl_status report_fault(execution *e, const pl_engine_fault *fault, const 
     return status;
 }
 
+/* The result of the run that the journal has, with the positions that belong to it: a new reference;
+ * NULL: the run is to be made. */
+static json_t *recall(const execution *e, const slot *s, const json_t *identity)
+{
+    json_t *result = pl_journal_take(e->def->journal, pl_json_get_text(identity, "run"));
+    if (result != NULL && s->positions != NULL && access(s->positions, R_OK) != 0) {
+        json_decref(result);
+        return NULL;
+    }
+    return result;
+}
+
 /* Starts the next run that is due in a free slot. */
 static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
 {
@@ -178,8 +190,12 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
         e->next += 1;
         if (!done) {
             const pl_scene *scene = NULL;
+            json_t *recalled = NULL;
             status = place_files(e, free_slot, identity, error);
             if (status == PL_OK) {
+                recalled = recall(e, free_slot, identity);
+            }
+            if (status == PL_OK && recalled == NULL) {
                 status = place_scene(e, free_slot, planned.test_case, &scene, error);
             }
             pl_run_def run = {.scene = scene,
@@ -189,16 +205,29 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
                               .recording = free_slot->recording,
                               .positions_stride = e->def->positions_stride,
                               .capture = e->def->capture};
-            if (status == PL_OK && choice->engine->fault.is_fault) {
+            if (recalled != NULL) {
+                status = hand_on(e, recalled, 0, error);
+            } else if (status == PL_OK && choice->engine->fault.is_fault) {
                 status = report_fault(e, &choice->engine->fault, scene, identity, error);
             } else if (status == PL_OK) {
+                const int others = e->schedule.runs;
                 free_slot->cpus = pl_schedule_begin(&e->schedule, threads);
                 run.referee_threads = free_slot->cpus;
                 status =
                     pl_isolated_run_start(&free_slot->run, &run, identity, &e->def->limits, error);
+                if (status == PL_IO && others > 0) {
+                    /* Want of descriptors or processes: from now on no more than so many at a time. */
+                    pl_schedule_end(&e->schedule, free_slot->cpus);
+                    json_decref(identity);
+                    e->schedule.jobs = others;
+                    e->next -= 1;
+                    return PL_OK;
+                }
             }
             free_slot->scene = scene;
-            free_slot->busy = status == PL_OK && !choice->engine->fault.is_fault;
+            free_slot->busy =
+                status == PL_OK && recalled == NULL && !choice->engine->fault.is_fault;
+            json_decref(recalled);
         }
         json_decref(identity);
     }
@@ -215,7 +244,10 @@ static pl_status finish(execution *e, slot *ended, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    status = hand_on(e, result, seconds, error);
+    status = pl_journal_add(e->def->journal, pl_json_get_text(result, "run"), result, error);
+    if (status == PL_OK) {
+        status = hand_on(e, result, seconds, error);
+    }
     if (status == PL_OK && ended->recording != NULL) {
         status = pl_recording_finish(e->def->recordings, pl_json_get_text(result, "run"),
                                      ended->scene, error);
@@ -391,6 +423,7 @@ pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
                                   .limits = def->limits,
                                   .trajectory = def->trajectory,
                                   .provenance = def->provenance,
+                                  .journal = def->journal,
                                   .bar = def->bar,
                                   .user = result,
                                   .keep = keep_result};
