@@ -9,6 +9,7 @@
 #include "command/request.h"
 #include "fuzz.h"
 
+#include <argp.h>
 #include <setjmp.h>
 #include <stdalign.h>
 #include <string.h>
@@ -59,6 +60,7 @@ static int parse(const pl_command *command, int argc, char **argv)
     memcpy(options, &request, sizeof request);
     unsetenv("PLUMB_PROFILES");
     exit_code = -1;
+    argp_err_exit_status = PL_EXIT_USAGE;
     if (setjmp(back) == 0) {
         on_exit(leave, NULL);
         is_parsing = true;
