@@ -276,11 +276,10 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     if (status == PL_OK && signal_number == 0) {
         remove_old(o, store);
     }
-    pl_journal_close(journal, status == PL_OK && signal_number == 0);
     pl_store_close(store);
     free_references(&r);
     json_decref(provenance);
-    return pl_call_end(call, status, &error, signal_number, code);
+    return pl_call_end_study(call, journal, status, &error, signal_number, code);
 }
 
 static int run(const pl_call *call)

@@ -393,11 +393,16 @@ pl_status pl_store_open(const char *directory, pl_store_mode mode, const char *c
     if (status == PL_OK && asprintf(&path, "%s/results.jsonl", directory) < 0) {
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
     }
-    if (status == PL_OK && mode == PL_STORE_NEW && !has_content(path)) {
-        status = check_others(directory, others, error);
-    }
     if (status == PL_OK) {
         status = pl_store_open_file(path, result_schema, mode, remedy, store, error);
+    }
+    if (status == PL_OK && mode == PL_STORE_NEW) {
+        status = check_others(directory, others, error);
+        if (status != PL_OK) {
+            pl_store_remove(*store, false);
+            pl_store_close(*store);
+            *store = NULL;
+        }
     }
     free(path);
     return status;

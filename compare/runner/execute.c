@@ -18,7 +18,8 @@
 /* A running job. */
 typedef struct slot {
     bool busy;
-    int cpus; /* of the run */
+    struct pollfd *polls; /* (PL_PROCESS_POLLS) of a busy one, in the list of the execution */
+    int cpus;             /* of the run */
     pl_isolated_run run;
     char *positions; /* path, or NULL */
     char *recording; /* path of the raw file, or NULL */
@@ -297,19 +298,18 @@ static int patience(const execution *e)
 static pl_status wait_and_collect(execution *e, int *signal_number, pl_error *error)
 {
     const int jobs = e->def->jobs;
-    struct pollfd *signals = &e->polls[jobs * PL_PROCESS_POLLS];
+    struct pollfd *signals = e->polls, *end = e->polls + 1;
     pl_status status = PL_OK;
+    *signals = (struct pollfd){.fd = e->signals, .events = POLLIN};
+    /* Only those in use: poll takes no more entries than the process may have descriptors. */
     for (int i = 0; i < jobs; ++i) {
-        struct pollfd *polls = &e->polls[i * PL_PROCESS_POLLS];
-        for (int k = 0; k < PL_PROCESS_POLLS; ++k) {
-            polls[k] = (struct pollfd){.fd = -1};
-        }
         if (e->slots[i].busy) {
-            pl_process_polls(&e->slots[i].run.process, polls);
+            e->slots[i].polls = end;
+            pl_process_polls(&e->slots[i].run.process, end);
+            end += PL_PROCESS_POLLS;
         }
     }
-    *signals = (struct pollfd){.fd = e->signals, .events = POLLIN};
-    if (poll(e->polls, (nfds_t)jobs * PL_PROCESS_POLLS + 1, patience(e)) < 0) {
+    if (poll(e->polls, (nfds_t)(end - e->polls), patience(e)) < 0) {
         return errno == EINTR ? PL_OK : pl_fail(error, PL_IO, "poll: %s", strerror(errno));
     }
     struct signalfd_siginfo info;
@@ -322,7 +322,7 @@ static pl_status wait_and_collect(execution *e, int *signal_number, pl_error *er
             pl_isolated_run_look(&e->slots[i].run);
         }
         if (e->slots[i].busy &&
-            pl_process_advance(&e->slots[i].run.process, &e->polls[i * PL_PROCESS_POLLS])) {
+            pl_process_advance(&e->slots[i].run.process, e->slots[i].polls)) {
             status = finish(e, &e->slots[i], error);
         }
     }

@@ -52,6 +52,10 @@ static pl_status make_run(study *t, run *r, pl_error *error)
     }
     status = pl_execute_one(&execution, &test_case, r->planned->configuration, &r->result,
                             &t->signal, error);
+    if (status == PL_OK && (fflush(r->trajectory.file) != 0 || ferror(r->trajectory.file) != 0)) {
+        return pl_fail(error, PL_IO, "the frames of %s, %s, cannot be written",
+                       r->planned->test_case->name, r->check);
+    }
     if (status == PL_OK && t->signal == 0 && t->def->progress != NULL) {
         char title[256];
         snprintf(title, sizeof title, "%s, %s", r->planned->test_case->name, r->check);
@@ -83,7 +87,6 @@ static pl_status make_plain(study *t, run *plain, bool needs_frames, pl_error *e
     plain->result = NULL;
     status = make_run(t, plain, error);
     if (status == PL_OK && t->signal == 0) {
-        fflush(plain->trajectory.file);
         status = pl_journal_add(t->def->journal, key, plain->result, error);
     }
     return status;
