@@ -3,6 +3,7 @@
 
 #include "base/array.h"
 #include "base/folding.h"
+#include "base/hash.h"
 #include "request.h"
 #include "results/result.h"
 
@@ -195,6 +196,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         pl_texts_add(&request->names, text);
         return 0;
     }
+    if (key == ARGP_KEY_END && request->resume && request->force) {
+        argp_error(state, "--resume keeps what is there, and --force replaces it: give one");
+    }
     if (key == ARGP_KEY_END && p->call->command->check != NULL &&
         p->call->command->check(p->options, &error) != PL_OK) {
         argp_error(state, "%s", error.message);
@@ -285,6 +289,42 @@ void pl_call_interrupted(const pl_call *call, size_t count, const char *folder)
             "%s: interrupted; %zu results are in %s/results.jsonl: the same command with --resume "
             "goes on from there\n",
             call->argv[0], count, folder);
+}
+
+/* Whether it is the option or, as getopt takes it, its beginning. */
+static bool is_option(const char *argument, const char *option)
+{
+    return strlen(argument) > 2 && strncmp(option, argument, strlen(argument)) == 0;
+}
+
+pl_status pl_call_journal(const pl_call *call, const char *folder, pl_store_mode mode,
+                          pl_journal **journal, pl_error *error)
+{
+    uint64_t hash = PL_HASH_START;
+    char study[PL_HASH_TEXT_SIZE];
+    for (int i = 1; i < call->program_argc; ++i) {
+        const char *argument = call->program_argv[i];
+        if (!is_option(argument, "--resume") && !is_option(argument, "--force")) {
+            hash = pl_hash_byte(pl_hash_text(hash, argument), 0);
+        }
+    }
+    pl_hash_hex(hash, study);
+    return pl_journal_open(folder == NULL ? "." : folder, call->command->name, study, mode, journal,
+                           error);
+}
+
+int pl_call_end_study(const pl_call *call, pl_journal *journal, pl_status status,
+                      const pl_error *error, int signal_number, int code)
+{
+    const bool finished = status == PL_OK && signal_number == 0;
+    if (!finished && journal != NULL && pl_journal_size(journal) > 0) {
+        fprintf(stderr,
+                "%s: not finished; what was found is in %s.jsonl: the same command with --resume "
+                "goes on from there\n",
+                call->argv[0], pl_journal_path(journal));
+    }
+    pl_journal_close(journal, finished);
+    return pl_call_end(call, status, error, signal_number, code);
 }
 
 json_t *pl_call_provenance(const pl_call *call, pl_error *error)

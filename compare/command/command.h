@@ -5,6 +5,7 @@
 #define PLUMB_COMMAND_H
 
 #include "plumb/base.h"
+#include "results/journal.h"
 
 #include <jansson.h>
 #include <stddef.h>
@@ -100,6 +101,15 @@ int pl_call_end(const pl_call *call, pl_status status, const pl_error *error, in
 
 /* Reports how to go on after a signal: `count` results are kept in `folder`. */
 void pl_call_interrupted(const pl_call *call, size_t count, const char *folder);
+
+/* Opens the journal of the study that this call makes, in the folder of --out, which exists, or in
+ * the working directory. The call is the same as another where only --resume and --force differ. */
+pl_status pl_call_journal(const pl_call *call, const char *folder, pl_store_mode mode,
+                          pl_journal **journal, pl_error *error);
+
+/* pl_call_end of a study with a journal (NULL allowed), which it closes. */
+int pl_call_end_study(const pl_call *call, pl_journal *journal, pl_status status,
+                      const pl_error *error, int signal_number, int code);
 
 /* The provenance of results of this call (pl_provenance), a new reference; NULL with an error when
  * memory runs out. */

@@ -97,7 +97,8 @@ static pl_status deliver(const options *o, json_t *results, const json_t *refere
 
 /* The searches first, because a row is written whole; then the runs of the plan. */
 static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store, json_t *provenance,
-                         const char *recordings, int *signal_number, pl_error *error)
+                         const char *recordings, pl_journal *journal, int *signal_number,
+                         pl_error *error)
 {
     keeper k = {.store = store, .plan = plan};
     pl_execution_def execution = {.plan = plan,
@@ -116,6 +117,7 @@ static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store,
     const pl_tolerance_def def = {.plan = plan,
                                   .limits = o->request.limits,
                                   .provenance = provenance,
+                                  .journal = journal,
                                   .bar = &bar,
                                   .user = &k,
                                   .skip = skip};
@@ -140,16 +142,12 @@ static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store,
     return status;
 }
 
-/* Makes the folder of recordings, whose path the caller frees; NULL: none are asked for. Those of an
- * earlier comparison, whose results are replaced, are removed. */
+/* Makes the folder of recordings, whose path the caller frees; NULL: none are asked for. */
 static pl_status prepare_recordings(const options *o, char **folder, pl_error *error)
 {
     char *path = NULL;
     if (asprintf(&path, "%s/recordings", o->request.out) < 0) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
-    if (!o->request.resume) {
-        pl_recordings_remove(path);
     }
     if (o->no_recordings) {
         free(path);
@@ -175,9 +173,8 @@ static pl_status begin_references(const options *o, const pl_plan *plan, referen
     }
     r->before = o->request.resume ? json_load_file(r->path, 0, NULL) : NULL;
     if (!o->request.resume) {
-        unlink(r->path);
+        pl_reference_study_clear(r->folder);
     }
-    pl_reference_study_clear(r->folder);
     pl_status status =
         o->no_reference ? PL_OK : pl_reference_study_due(plan, r->before, &r->due, error);
     return status == PL_OK && r->due > 0 ? pl_make_directories(r->folder, error) : status;
@@ -185,14 +182,15 @@ static pl_status begin_references(const options *o, const pl_plan *plan, referen
 
 /* Makes the references and writes them. */
 static pl_status make_references(const options *o, const pl_plan *plan, const json_t *results,
-                                 json_t *provenance, references *r, int *signal_number,
-                                 pl_error *error)
+                                 json_t *provenance, pl_journal *journal, references *r,
+                                 int *signal_number, pl_error *error)
 {
     const pl_reference_study_def def = {.execution = {.plan = plan,
                                                       .jobs = o->request.jobs,
                                                       .limits = o->request.limits,
                                                       .positions = r->folder,
                                                       .provenance = provenance,
+                                                      .journal = journal,
                                                       .progress = stderr},
                                         .results = results,
                                         .before = r->before};
@@ -205,6 +203,25 @@ static pl_status make_references(const options *o, const pl_plan *plan, const js
     }
     pl_reference_study_clear(r->folder);
     return status;
+}
+
+/* What a comparison that has ended replaces. */
+static void remove_old(const options *o, pl_store *store)
+{
+    char *recordings = NULL;
+    pl_store_finish(store);
+    if (o->request.force && asprintf(&recordings, "%s/recordings", o->request.out) >= 0) {
+        pl_recordings_remove(recordings, pl_store_runs(store));
+        free(recordings);
+    }
+}
+
+/* The outcome of an earlier comparison does not stay next to the results of this one. */
+static void drop_old_reference(const references *r)
+{
+    if (r->outcome == NULL) {
+        unlink(r->path);
+    }
 }
 
 static void free_references(references *r)
@@ -221,13 +238,19 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     pl_error error = {.message = ""};
     pl_store *store = NULL;
     references r = {.due = 0};
+    pl_journal *journal = NULL;
+    static const char *const report_files[] = {"index.html", NULL};
+    const pl_store_mode mode = pl_store_mode_of(o->request.resume, o->request.force);
     int signal_number = 0;
     int code = PL_EXIT_OK;
     json_t *provenance = pl_call_provenance(call, &error);
     pl_status status = provenance == NULL
                            ? PL_NO_MEMORY
-                           : pl_store_open(o->request.out, o->request.resume, &store, &error);
+                           : pl_store_open(o->request.out, mode, report_files, &store, &error);
     char *recordings = NULL;
+    if (status == PL_OK) {
+        status = pl_call_journal(call, o->request.out, mode, &journal, &error);
+    }
     if (status == PL_OK) {
         status = prepare_recordings(o, &recordings, &error);
     }
@@ -236,23 +259,27 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     }
     if (status == PL_OK) {
         pl_request_note_threads(call, plan);
-        status = run_all(o, plan, store, provenance, recordings, &signal_number, &error);
+        status = run_all(o, plan, store, provenance, recordings, journal, &signal_number, &error);
     }
     free(recordings);
     if (status == PL_OK && signal_number == 0) {
-        status = make_references(o, plan, pl_store_results(store), provenance, &r, &signal_number,
-                                 &error);
+        status = make_references(o, plan, pl_store_results(store), provenance, journal, &r,
+                                 &signal_number, &error);
     }
     if (status == PL_OK && signal_number != 0) {
         pl_call_interrupted(call, json_array_size(pl_store_results(store)), o->request.out);
     } else if (status == PL_OK) {
+        drop_old_reference(&r);
         status = deliver(o, pl_store_results(store), r.outcome, &error);
         code = pl_results_all_unsupported(pl_store_results(store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
+    }
+    if (status == PL_OK && signal_number == 0) {
+        remove_old(o, store);
     }
     pl_store_close(store);
     free_references(&r);
     json_decref(provenance);
-    return pl_call_end(call, status, &error, signal_number, code);
+    return pl_call_end_study(call, journal, status, &error, signal_number, code);
 }
 
 static int run(const pl_call *call)
@@ -266,7 +293,10 @@ static int run(const pl_call *call)
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = o.repeats};
     int code = PL_EXIT_OK;
-    pl_status status = pl_request_plan(call, &o.request, &plan, &error);
+    pl_status status = pl_request_outputs(&o.request, NULL, &error);
+    if (status == PL_OK) {
+        status = pl_request_plan(call, &o.request, &plan, &error);
+    }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
     } else if (pl_plan_size(&plan) == 0) {

@@ -152,11 +152,13 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan,
     pl_store *store = NULL;
     int signal_number = 0;
     int code = PL_EXIT_OK;
+    static const char *const report_files[] = {"ensemble.json", NULL};
+    const pl_store_mode mode = pl_store_mode_of(o->request.resume, o->request.force);
     char *folder = path_in(o->request.out, "trajectories", &error);
     json_t *provenance = pl_call_provenance(call, &error);
     pl_status status = provenance == NULL || folder == NULL
                            ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                           : pl_store_open(o->request.out, o->request.resume, &store, &error);
+                           : pl_store_open(o->request.out, mode, report_files, &store, &error);
     if (status == PL_OK) {
         status = pl_make_directories(folder, &error);
     }
@@ -177,6 +179,9 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan,
     } else if (status == PL_OK) {
         status = conclude(o, plan, ensembles, pl_store_results(store), folder, &error);
         code = pl_results_all_unsupported(pl_store_results(store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
+        if (status == PL_OK) {
+            pl_store_finish(store);
+        }
     }
     pl_store_close(store);
     json_decref(provenance);
@@ -235,7 +240,10 @@ static int run(const pl_call *call)
     pl_plan plan = {.repeats = 1};
     pl_ensembles ensembles = {.count = 0};
     int code = PL_EXIT_OK;
-    pl_status status = make_plan(call, &o, &plan, &ensembles, &error);
+    pl_status status = pl_request_outputs(&o.request, NULL, &error);
+    if (status == PL_OK) {
+        status = make_plan(call, &o, &plan, &ensembles, &error);
+    }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
     } else if (ensembles.count == 0) {

@@ -239,7 +239,10 @@ static int run(const pl_call *call)
     pl_error error = {.message = ""};
     options o = {.request = pl_request_default(), .tolerances = pl_gate_tolerances_default()};
     pl_call_parse(call, &o);
-    pl_status status = read_all(&o, &m, &error);
+    pl_status status = pl_request_outputs(&o.request, o.request.out, &error);
+    if (status == PL_OK) {
+        status = read_all(&o, &m, &error);
+    }
     if (status == PL_OK && m.now.count > 0) {
         status = o.update ? update(&o, &m, &error) : judge(&o, &m, &error);
     }
@@ -300,5 +303,6 @@ const pl_command pl_command_gate = {
              "  plumb gate report --baseline baseline.json --fail-if 'pile: time_per_step>+25%'\n"
              "  plumb gate report --fail-if '*/mine: outcome!=ok' --format junit --out gate.xml",
     .options = OPTIONS,
+    .shared = {pl_force_options},
     .check = check,
     .run = run};

@@ -228,8 +228,12 @@ static int run(const pl_call *call)
     pl_error error = {.message = ""};
     pl_call_parse(call, &o);
     if (o.page != NULL) {
+        pl_status written = pl_request_outputs(&o.request, o.page, &error);
+        if (written == PL_OK) {
+            written = write_page(o.page, &error);
+        }
         pl_request_free(&o.request);
-        return pl_call_end(call, write_page(o.page, &error), &error, 0, PL_EXIT_OK);
+        return pl_call_end(call, written, &error, 0, PL_EXIT_OK);
     }
     json_t *list = o.kind->list == NULL ? NULL : o.kind->list();
     pl_status status = PL_OK;
@@ -284,5 +288,6 @@ const pl_command pl_command_list = {
              "  plumb list scenarios --json\n"
              "  plumb list scenarios --page catalogue.html",
     .options = OPTIONS,
+    .shared = {pl_force_options},
     .check = check,
     .run = run};

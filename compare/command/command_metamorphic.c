@@ -55,16 +55,18 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, c
     pl_error error = {.message = ""};
     int signal_number = 0;
     int code = PL_EXIT_OK;
+    pl_journal *journal = NULL;
     delivery d = {.options = o, .trials = json_array()};
     json_t *provenance = pl_call_provenance(call, &error);
     pl_status status = provenance == NULL || d.trials == NULL
                            ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                           : PL_OK;
+                           : pl_request_journal(call, &o->request, &journal, &error);
     if (status == PL_OK) {
         const pl_metamorphic_def def = {.plan = plan,
                                         .chosen = chosen,
                                         .limits = o->request.limits,
                                         .provenance = provenance,
+                                        .journal = journal,
                                         .progress = stderr,
                                         .user = &d,
                                         .keep = keep};
@@ -76,7 +78,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, c
     }
     json_decref(d.trials);
     json_decref(provenance);
-    return pl_call_end(call, status, &error, signal_number, code);
+    return pl_call_end_study(call, journal, status, &error, signal_number, code);
 }
 
 static pl_status check(void *user, pl_error *error)
@@ -135,6 +137,6 @@ const pl_command pl_command_metamorphic = {
              "  plumb metamorphic wall-collapse --engine plumb --check order --check far\n"
              "  plumb metamorphic ./mine.json --engine ./mine.so:fast --json - | jq .",
     .options = OPTIONS,
-    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options},
+    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_study_options},
     .check = check,
     .run = run};

@@ -10,6 +10,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* What --format names: one file of the report, or the format of a picture. */
 typedef struct format {
@@ -35,10 +36,13 @@ static bool has_run(const pl_merge *merge, const json_t *result)
 }
 
 /* Results of the folder that are not in the report would be lost. */
-static pl_status check_kept(const pl_merge *merge, const char *out, pl_store *store,
+static pl_status check_kept(const pl_merge *merge, const char *out, pl_store *store, bool force,
                             pl_error *error)
 {
     long lost = 0;
+    if (force) {
+        return PL_OK;
+    }
     size_t index;
     const json_t *result;
     json_array_foreach(pl_store_results(store), index, result)
@@ -48,8 +52,33 @@ static pl_status check_kept(const pl_merge *merge, const char *out, pl_store *st
     return lost == 0 ? PL_OK
                      : pl_fail(error, PL_BAD_INPUT,
                                "%s/results.jsonl has %ld results that the report would not have: "
-                               "name it too, or choose another --out",
+                               "name it too, or choose another --out; --force leaves them out",
                                out, lost);
+}
+
+/* Whether the folder is one of those that are read. */
+static bool is_read(const pl_request *request)
+{
+    struct stat out, name;
+    bool found = false;
+    for (int i = 0; i < request->names.count && stat(request->out, &out) == 0; ++i) {
+        found = found || (stat(request->names.items[i], &name) == 0 && name.st_ino == out.st_ino &&
+                          name.st_dev == out.st_dev);
+    }
+    return found;
+}
+
+/* Whether a file of --out may be written: it is not there, or is a report of the same results. */
+static pl_status check_file(const pl_request *request, bool is_own, const char *file,
+                            pl_error *error)
+{
+    char *path = NULL;
+    if (asprintf(&path, "%s/%s", request->out, file) < 0) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    pl_status status = is_own ? PL_OK : pl_output_check(path, request->force, error);
+    free(path);
+    return status;
 }
 
 /* Whether an engine has several points on a scene: other settings or time steps. */
@@ -119,7 +148,8 @@ static pl_status write_report(const options *o, const json_t *results, pl_error 
     char *picture = NULL;
     pl_status status = failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a report")
                        : o->figure != NULL && o->format != NULL
-                           ? pl_figure_write(&def, o->figure, o->format->picture, &picture, error)
+                           ? pl_figure_write(&def, o->figure, o->format->picture,
+                                             request->force, &picture, error)
                            : pl_report_write(&def, error);
     if (picture != NULL && status == PL_OK) {
         fprintf(stderr, "the picture is in %s\n", picture);
@@ -137,15 +167,24 @@ static pl_status deliver(const options *o, const pl_merge *merge, pl_error *erro
     pl_store *store = NULL;
     char *path = NULL;
     if (o->format != NULL) {
-        const pl_status made = pl_make_directories(request->out, error);
+        pl_status made = o->format->file == NULL
+                             ? PL_OK
+                             : check_file(request, is_read(request), o->format->file, error);
+        if (made == PL_OK) {
+            made = pl_make_directories(request->out, error);
+        }
         return made == PL_OK ? write_report(o, merge->results, error) : made;
     }
     if (asprintf(&path, "%s/results.jsonl", request->out) < 0) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory");
     }
-    pl_status status = pl_store_open(request->out, true, &store, error);
+    pl_status status = pl_store_open(request->out, PL_STORE_RESUME, NULL, &store, error);
     if (status == PL_OK) {
-        status = check_kept(merge, request->out, store, error);
+        status = check_kept(merge, request->out, store, request->force, error);
+    }
+    if (status == PL_OK) {
+        status = check_file(request, json_array_size(pl_store_results(store)) > 0, "index.html",
+                            error);
     }
     if (status == PL_OK) {
         status = write_report(o, merge->results, error);
@@ -216,7 +255,12 @@ static bool is_study(const pl_request *request, pl_status *status, pl_error *err
         pl_study_read(request->names.items[0], &study, kind, &unused) != PL_OK) {
         return false;
     }
-    *status = pl_make_directories(request->out, error);
+    char page[PL_STUDY_KIND_SIZE + 8];
+    snprintf(page, sizeof page, "%s.html", kind);
+    *status = check_file(request, false, page, error);
+    if (*status == PL_OK) {
+        *status = pl_make_directories(request->out, error);
+    }
     if (*status == PL_OK) {
         *status = pl_study_page_write(request->out, kind, study, error);
     }
@@ -301,5 +345,6 @@ const pl_command pl_command_report = {
              "  plumb report report --figure tower:t=2.5 --format pdf --out pictures\n"
              "  plumb report threshold.json --out thresholds",
     .options = OPTIONS,
+    .shared = {pl_force_options},
     .check = check,
     .run = run};

@@ -8,7 +8,9 @@
 #include "studies/solve/problem_file.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 typedef struct options {
@@ -97,13 +99,51 @@ static void print_result(const json_t *result)
     pl_table_free(&table);
 }
 
-static FILE *open_trajectory(const char *path, pl_error *error)
+/* The file that gets the frames: under another name until it is complete, unless it is no regular
+ * file. */
+typedef struct trajectory {
+    const char *path; /* as asked for; NULL: none */
+    char *unfinished; /* NULL: none */
+    FILE *file;       /* NULL: none */
+} trajectory;
+
+static pl_status open_trajectory(const char *path, trajectory *t, pl_error *error)
 {
-    FILE *file = pl_is_stdout(path) ? fdopen(dup(STDOUT_FILENO), "w") : fopen(path, "we");
-    if (file == NULL) {
-        pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+    struct stat found;
+    const bool is_regular =
+        path != NULL && !pl_is_stdout(path) && (stat(path, &found) != 0 || S_ISREG(found.st_mode));
+    *t = (trajectory){.path = path};
+    if (path == NULL) {
+        return PL_OK;
     }
-    return file;
+    if (is_regular && asprintf(&t->unfinished, "%s.unfinished", path) < 0) {
+        t->unfinished = NULL;
+        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    t->file = pl_is_stdout(path) ? fdopen(dup(STDOUT_FILENO), "w")
+                                 : fopen(is_regular ? t->unfinished : path, "we");
+    return t->file == NULL ? pl_fail(error, PL_IO, "%s: %s", path, strerror(errno)) : PL_OK;
+}
+
+/* Gives a complete file its name, and removes any other. */
+static pl_status close_trajectory(trajectory *t, pl_status status, bool is_complete,
+                                  pl_error *error)
+{
+    bool failed = false;
+    if (t->file != NULL) {
+        failed = ferror(t->file) != 0 || fflush(t->file) != 0;
+        failed = failed || (t->unfinished != NULL && fsync(fileno(t->file)) != 0);
+        failed = fclose(t->file) != 0 || failed;
+    }
+    if (status == PL_OK && !failed && is_complete && t->unfinished != NULL) {
+        failed = rename(t->unfinished, t->path) != 0;
+    } else if (t->file != NULL && t->unfinished != NULL) {
+        unlink(t->unfinished);
+    }
+    free(t->unfinished);
+    return status == PL_OK && failed
+               ? pl_fail(error, PL_IO, "%s could not be written: %s", t->path, strerror(errno))
+               : status;
 }
 
 /* Writes the result where it was asked for. */
@@ -164,18 +204,17 @@ static pl_status execute(const pl_call *call, const options *o, pl_plan *plan, j
 {
     pl_capture_target target = {.path = NULL};
     const pl_capture capture = {.step = o->capture_step, .take = pl_capture_write, .user = &target};
-    FILE *trajectory = NULL;
+    trajectory frames = {.file = NULL};
     json_t *provenance = pl_call_provenance(call, error);
     pl_status status = provenance == NULL ? PL_NO_MEMORY : prepare_capture(o, plan, &target, error);
-    if (status == PL_OK && o->trajectory != NULL) {
-        trajectory = open_trajectory(o->trajectory, error);
-        status = trajectory == NULL ? PL_IO : PL_OK;
+    if (status == PL_OK) {
+        status = open_trajectory(o->trajectory, &frames, error);
     }
     if (status == PL_OK) {
         const pl_execution_def execution = {.plan = plan,
                                             .jobs = 1,
                                             .limits = o->request.limits,
-                                            .trajectory = trajectory,
+                                            .trajectory = frames.file,
                                             .capture = o->capture == NULL ? NULL : &capture,
                                             .provenance = provenance,
                                             .progress = isatty(STDERR_FILENO) == 1 ? stderr : NULL,
@@ -183,11 +222,23 @@ static pl_status execute(const pl_call *call, const options *o, pl_plan *plan, j
                                             .keep = keep};
         status = pl_execute(&execution, signal_number, error);
     }
-    if (trajectory != NULL) {
-        fclose(trajectory);
-    }
+    status = close_trajectory(&frames, status, *signal_number == 0, error);
     json_decref(target.source);
     json_decref(provenance);
+    return status;
+}
+
+/* Of files that are numbered, the first stands for all. */
+static pl_status check_outputs(const options *o, pl_error *error)
+{
+    char *capture = pl_capture_path(o->capture, 1);
+    pl_status status = capture == NULL && o->capture != NULL
+                           ? pl_fail(error, PL_NO_MEMORY, "out of memory")
+                           : pl_request_outputs(&o->request, o->trajectory, error);
+    if (status == PL_OK) {
+        status = pl_output_check(capture, o->request.force, error);
+    }
+    free(capture);
     return status;
 }
 
@@ -199,7 +250,10 @@ static int run(const pl_call *call)
     pl_plan plan = {.repeats = 1};
     json_t *result = NULL;
     int code = PL_EXIT_OK, signal_number = 0;
-    pl_status status = pl_request_add_cases(&o.request, &plan, &error);
+    pl_status status = check_outputs(&o, &error);
+    if (status == PL_OK) {
+        status = pl_request_add_cases(&o.request, &plan, &error);
+    }
     pl_engine_describe_within(&o.request.limits);
     if (status == PL_OK) {
         status = pl_plan_add_engine(&plan, o.request.engines.items[0], &error);
@@ -245,6 +299,6 @@ const pl_command pl_command_run = {
              "  plumb run ./mine.json --engine bullet --trajectory frames.csv\n"
              "  plumb run wall --engine plumb --capture 60:wall.json",
     .options = OPTIONS,
-    .shared = {pl_scene_options, pl_limit_options},
+    .shared = {pl_scene_options, pl_limit_options, pl_force_options},
     .check = check,
     .run = run};

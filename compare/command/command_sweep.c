@@ -84,16 +84,27 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
 
 /* What earlier runs left is read before the store is open: a lock of fcntl(2) ends when any
  * descriptor of the file is closed. */
-static pl_status open_store(const options *o, const char *folder, keeper *k, pl_error *error)
+static pl_status open_store(const options *o, bool is_shard, const char *folder, keeper *k,
+                            pl_error *error)
 {
+    static const char *const report_files[] = {"sweep.html", NULL};
+    const pl_store_mode mode = pl_store_mode_of(o->request.resume, o->request.force);
     pl_status status = pl_merge_begin(&k->before, error);
-    if (status == PL_OK && o->request.resume) {
+    if (status == PL_OK && (o->request.resume || (!is_shard && !o->request.force))) {
         status = pl_merge_add_any(&k->before, o->request.out, error);
+    }
+    if (!o->request.resume &&
+        (status == PL_BAD_INPUT || json_array_size(k->before.results) > 0)) {
+        status = pl_fail(error, PL_BAD_INPUT,
+                         "%s/results.jsonl, or a shard next to it, has results: --resume keeps them "
+                         "and makes the runs that are missing, --force leaves them out, and --out "
+                         "takes another folder",
+                         o->request.out);
     }
     for (size_t i = 0; status == PL_OK && i < json_array_size(k->before.results); ++i) {
         pl_repeats_see(&k->repeats, json_array_get(k->before.results, i));
     }
-    return status == PL_OK ? pl_store_open(folder, o->request.resume, &k->store, error) : status;
+    return status == PL_OK ? pl_store_open(folder, mode, report_files, &k->store, error) : status;
 }
 
 /* The analysis of all that is there: files, then tables on standard output, unless the JSON is
@@ -148,7 +159,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
                            ? PL_NO_MEMORY
                            : pl_repeats_begin(&k.repeats, plan, o->repeat_below, &error);
     if (status == PL_OK) {
-        status = open_store(o, folder, &k, &error);
+        status = open_store(o, is_shard, folder, &k, &error);
     }
     if (status == PL_OK) {
         const pl_execution_def execution = {.plan = plan,
@@ -166,6 +177,9 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
         pl_call_interrupted(call, json_array_size(pl_store_results(k.store)), folder);
     } else if (status == PL_OK) {
         status = deliver(o, &k, is_shard, folder, &error);
+        if (status == PL_OK) {
+            pl_store_finish(k.store);
+        }
         code = pl_results_all_unsupported(pl_store_results(k.store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     }
     pl_store_close(k.store);
@@ -292,7 +306,10 @@ static int run(const pl_call *call)
     bool is_shard = false;
     char *folder = NULL;
     int code = PL_EXIT_OK;
-    pl_status status = choose_shard(&o, &shard, &is_shard, &folder, &error);
+    pl_status status = pl_request_outputs(&o.request, o.list, &error);
+    if (status == PL_OK) {
+        status = choose_shard(&o, &shard, &is_shard, &folder, &error);
+    }
     if (status == PL_OK) {
         status = make_plan(call, &o, shard, &plan, &error);
     }

@@ -124,15 +124,19 @@ static int search(const pl_call *call, const pl_request *request, const pl_plan 
     int count = 0, signal_number = 0, code = PL_EXIT_OK;
     char started[32];
     pl_timestamp(started);
+    pl_journal *journal = NULL;
     json_t *provenance = pl_call_provenance(call, &error);
+    pl_status status =
+        provenance == NULL ? PL_NO_MEMORY : pl_request_journal(call, request, &journal, &error);
     const pl_threshold_search_def def = {.plan = plan,
                                          .jobs = request->jobs,
                                          .limits = request->limits,
                                          .provenance = provenance,
+                                         .journal = journal,
                                          .progress = stderr};
-    pl_status status = provenance == NULL
-                           ? PL_NO_MEMORY
-                           : pl_find_thresholds(&def, &searches, &count, &signal_number, &error);
+    if (status == PL_OK) {
+        status = pl_find_thresholds(&def, &searches, &count, &signal_number, &error);
+    }
     if (status == PL_OK && signal_number == 0) {
         code = all_unsupported(searches, count) ? PL_EXIT_NOTHING : PL_EXIT_OK;
         if (request->json != NULL) {
@@ -144,7 +148,7 @@ static int search(const pl_call *call, const pl_request *request, const pl_plan 
     }
     free(searches);
     json_decref(provenance);
-    return pl_call_end(call, status, &error, signal_number, code);
+    return pl_call_end_study(call, journal, status, &error, signal_number, code);
 }
 
 static pl_status check(void *user, pl_error *error)
@@ -199,6 +203,7 @@ const pl_command pl_command_threshold = {
              "  plumb threshold slope-threshold slope-tip --engine plumb --engine ode:quick\n"
              "  plumb threshold --suite hard --jobs 2 --json thresholds.jsonl",
     .options = OPTIONS,
-    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options},
+    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options,
+               pl_study_options},
     .check = check,
     .run = run};

@@ -38,21 +38,23 @@ static pl_status check(void *user, pl_error *error)
     return status;
 }
 
+/* The path of the profile that is made: malloc'd; NULL when out of memory. */
+static char *profile_path(const options *o, const pl_tune_space *space)
+{
+    char *path = NULL;
+    return asprintf(&path, "%s/%s.profile.json", o->request.out, space->base.engine->name) < 0
+               ? NULL
+               : path;
+}
+
 static pl_status save_profile(const options *o, const pl_tune_def *def, const pl_tuning *tuning,
                               pl_error *error)
 {
-    const char *directory = o->request.out;
-    char *path = NULL;
-    pl_status status = pl_make_directories(directory, error);
+    char *path = profile_path(o, def->space);
     json_t *profile = pl_tune_profile(def, tuning);
-    if (profile == NULL ||
-        asprintf(&path, "%s/%s.profile.json", directory, def->space->base.engine->name) < 0) {
-        json_decref(profile);
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for the profile");
-    }
-    if (status == PL_OK) {
-        status = pl_results_write_json(path, profile, error);
-    }
+    pl_status status = profile == NULL || path == NULL
+                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for the profile")
+                           : pl_results_write_json(path, profile, error);
     if (status == PL_OK) {
         fprintf(stderr, "plumb tune: %s: --engine %s:tuned --profiles %s\n", path,
                 def->space->base.engine->spec, path);
@@ -75,12 +77,28 @@ static pl_status write_tuning(const options *o, const pl_tune_def *def, const pl
     return status == PL_OK && tuning->met ? save_profile(o, def, tuning, error) : status;
 }
 
+/* Before any run: whether the outcome can be written. */
+static pl_status open_journal(const pl_call *call, const options *o, const pl_tune_space *space,
+                              pl_journal **journal, pl_error *error)
+{
+    char *path = profile_path(o, space);
+    pl_status status = path == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
+                                    : pl_request_outputs(&o->request, path, error);
+    if (status == PL_OK) {
+        status = pl_request_journal(call, &o->request, journal, error);
+    }
+    free(path);
+    return status;
+}
+
 static int tune(const pl_call *call, const options *o, const pl_plan *plan,
                 const pl_tune_space *space)
 {
     pl_error error = {.message = ""};
     pl_tuning tuning = {.runs = 0};
+    pl_journal *journal = NULL;
     json_t *provenance = pl_call_provenance(call, &error);
+    pl_status status = provenance == NULL ? PL_NO_MEMORY : open_journal(call, o, space, &journal, &error);
     const pl_tune_def def = {.plan = plan,
                              .dt = o->request.dt,
                              .duration = o->request.duration,
@@ -90,8 +108,11 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
                              .jobs = o->request.jobs,
                              .limits = o->request.limits,
                              .provenance = provenance,
+                             .journal = journal,
                              .progress = stderr};
-    pl_status status = provenance == NULL ? PL_NO_MEMORY : pl_tune(&def, &tuning, &error);
+    if (status == PL_OK) {
+        status = pl_tune(&def, &tuning, &error);
+    }
     int code = PL_EXIT_OK;
     if (status == PL_OK && tuning.signal_number == 0) {
         code = tuning.met ? PL_EXIT_OK : PL_EXIT_FAILED;
@@ -100,7 +121,7 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
     const int signal_number = tuning.signal_number;
     pl_tuning_free(&tuning);
     json_decref(provenance);
-    code = pl_call_end(call, status, &error, signal_number, code);
+    code = pl_call_end_study(call, journal, status, &error, signal_number, code);
     return status == PL_UNSUPPORTED ? PL_EXIT_NOTHING : code;
 }
 
@@ -168,8 +189,10 @@ static const pl_option OPTIONS[] = {
      "Settings tried by the search, each on all scenarios (default 200); the best settings "
      "are measured and validated afterwards",
      PL_OPTION_INTEGER, .field = offsetof(options, budget), .min = 1, .max = MOST_BUDGET},
-    {"out", "DIR", "Where ENGINE.profile.json goes (default .)", PL_OPTION_TEXT,
-     .field = offsetof(options, request.out)},
+    {"out", NULL,
+     "Where ENGINE.profile.json goes, and the runs until the study ends, in "
+     "plumb-*.unfinished.jsonl (default .)",
+     .kind = PL_OPTION_HELP},
     {0}};
 
 const pl_command pl_command_tune = {
@@ -195,6 +218,7 @@ const pl_command pl_command_tune = {
         "  plumb tune wall --set rows=5 --engine bullet:si --target 'penetration_max<=1e-4' "
         "--fix dt=1/60",
     .options = OPTIONS,
-    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options},
+    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options,
+               pl_study_options},
     .check = check,
     .run = run};

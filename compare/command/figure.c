@@ -126,28 +126,37 @@ static pl_status write_svg(const drawing *d, const char *path, pl_error *error)
                : pl_write_text(path, begin, (size_t)(end - begin) + strlen("</svg>"), error);
 }
 
-/* Draws the page once more, in the size of the picture, as PNG or PDF. */
+/* Draws the page once more, in the size of the picture, as PNG or PDF: into the folder, from which the
+ * whole file goes to its path. */
 static pl_status write_print(const drawing *d, pl_figure_format format, const char *path,
                              pl_error *error)
 {
     int width = 0, height = 0;
     const char *size = strstr(d->document, "data-figure=\"");
-    char option[4200], window[64];
+    static const pl_file_kind kind = {.noun = "picture", .most_bytes = 512u << 20};
+    char option[128], window[64], drawn[96], *text = NULL;
+    size_t length = 0;
     if (size == NULL || sscanf(size, "data-figure=\"%dx%d", &width, &height) != 2 || width == 0) {
         return pl_fail(error, PL_BAD_INPUT, "--figure: nothing could be drawn of this scenario");
     }
     snprintf(window, sizeof window, "%d,%d", width, height);
-    snprintf(option, sizeof option, "--%s=%.4000s",
-             format == PL_FIGURE_PNG ? "screenshot" : "print-to-pdf", path);
-    const pl_status status = run_chromium(d, option, window, error);
-    return status == PL_OK && access(path, R_OK) != 0
-               ? pl_fail(error, PL_IO, "%.200s was not written", path)
-               : status;
+    snprintf(drawn, sizeof drawn, "%s/picture", d->folder);
+    snprintf(option, sizeof option, "--%s=%s",
+             format == PL_FIGURE_PNG ? "screenshot" : "print-to-pdf", drawn);
+    pl_status status = run_chromium(d, option, window, error);
+    if (status == PL_OK) {
+        status = pl_file_read(&kind, drawn, &text, &length, error);
+    }
+    if (status == PL_OK) {
+        status = pl_write_text(path, text, length, error);
+    }
+    free(text);
+    return status;
 }
 
 static void clean(drawing *d)
 {
-    static const char *const names[] = {"index.html", "drawn"};
+    static const char *const names[] = {"index.html", "drawn", "picture"};
     for (size_t i = 0; i < sizeof names / sizeof names[0] && d->folder[0] != '\0'; ++i) {
         char path[96];
         snprintf(path, sizeof path, "%s/%s", d->folder, names[i]);
@@ -162,7 +171,7 @@ static void clean(drawing *d)
 }
 
 pl_status pl_figure_write(const pl_report_def *def, const char *what, pl_figure_format format,
-                          char **path, pl_error *error)
+                          bool force, char **path, pl_error *error)
 {
     drawing d = {.folder = ""};
     pl_report report;
@@ -173,9 +182,6 @@ pl_status pl_figure_write(const pl_report_def *def, const char *what, pl_figure_
     if (status == PL_OK) {
         status = find_case(&report, what, &index, &time, error);
     }
-    if (status == PL_OK) {
-        status = draw(def, &d, index, time, format, error);
-    }
     /* A name that is safe as that of a file: letters, digits, and '-' for all else. */
     for (const char *c = what; status == PL_OK && *c != '\0'; ++c) {
         const bool plain = strchr("/:= \t\n\"'\\", *c) == NULL;
@@ -185,6 +191,12 @@ pl_status pl_figure_write(const pl_report_def *def, const char *what, pl_figure_
         asprintf(path, "%s/%s.%s", def->directory, d.name.data, endings[format]) < 0) {
         *path = NULL;
         status = pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    if (status == PL_OK) {
+        status = pl_output_check(*path, force, error);
+    }
+    if (status == PL_OK) {
+        status = draw(def, &d, index, time, format, error);
     }
     if (status == PL_OK) {
         status = format == PL_FIGURE_SVG ? write_svg(&d, *path, error)

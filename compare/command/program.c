@@ -5,6 +5,7 @@
 
 #include <argp.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -150,6 +151,7 @@ static void fit_help(void)
 int pl_program(int argc, char **argv)
 {
     fill_closed_streams();
+    signal(SIGXFSZ, SIG_IGN); /* a file that may grow no more is an error of write(2) */
     atexit(check_output);
     argp_err_exit_status = PL_EXIT_USAGE;
     argp_program_version_hook = print_version;

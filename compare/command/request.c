@@ -129,7 +129,26 @@ const pl_option pl_out_options[] = {
      "Keep the results in DIR and make only the runs that are missing, whatever the outcome "
      "of the others",
      PL_OPTION_FLAG, .field = offsetof(pl_request, resume)},
+    {"force", NULL,
+     "Replace the results in DIR, which stay until the first new ones are there, and the report",
+     PL_OPTION_FLAG, .field = offsetof(pl_request, force)},
     {0}};
+
+const pl_option pl_study_options[] = {
+    {"out", "DIR",
+     "Where the runs are kept until the study ends, in plumb-*.unfinished.jsonl (default .)",
+     PL_OPTION_TEXT, .field = offsetof(pl_request, out)},
+    {"resume", NULL,
+     "Take the runs of the same command that did not come to its end, and make those that are "
+     "missing",
+     PL_OPTION_FLAG, .field = offsetof(pl_request, resume)},
+    {"force", NULL, "Begin anew where there are such runs, and replace files that exist",
+     PL_OPTION_FLAG, .field = offsetof(pl_request, force)},
+    {0}};
+
+const pl_option pl_force_options[] = {{"force", NULL, "Replace files that exist", PL_OPTION_FLAG,
+                                       .field = offsetof(pl_request, force)},
+                                      {0}};
 
 pl_status pl_request_check(const pl_request *request, const char *which, const char *reader,
                            pl_error *error)
@@ -144,6 +163,26 @@ pl_status pl_request_check(const pl_request *request, const char *which, const c
     return which == NULL || request->names.count > 0 || request->suites.count > 0
                ? PL_OK
                : pl_fail(error, PL_BAD_INPUT, "%s", which);
+}
+
+pl_status pl_request_outputs(const pl_request *request, const char *other, pl_error *error)
+{
+    const bool may_replace = request->force || request->resume;
+    pl_status status = pl_output_check(request->json, may_replace, error);
+    return status == PL_OK ? pl_output_check(other, may_replace, error) : status;
+}
+
+pl_status pl_request_journal(const pl_call *call, const pl_request *request, pl_journal **journal,
+                             pl_error *error)
+{
+    pl_status status = pl_request_outputs(request, NULL, error);
+    if (status == PL_OK && request->out != NULL) {
+        status = pl_make_directories(request->out, error);
+    }
+    return status == PL_OK ? pl_call_journal(call, request->out,
+                                             pl_store_mode_of(request->resume, request->force),
+                                             journal, error)
+                           : status;
 }
 
 /* ---- Cases ---- */

@@ -23,6 +23,7 @@ typedef struct pl_request {
     const char *out;  /* --out */
     int jobs;         /* --jobs */
     bool resume;      /* --resume */
+    bool force;       /* --force; not both */
 } pl_request;
 
 /* Nothing asked for, the default limits, and one job. */
@@ -39,14 +40,22 @@ extern const pl_option pl_limit_options[];
 extern const pl_option pl_comparison_options[];
 /* --jobs */
 extern const pl_option pl_jobs_options[];
-/* --out, --resume */
+/* --out, --resume, --force: of a folder of results */
 extern const pl_option pl_out_options[];
+/* The same of a study whose runs are kept in a journal until it ends */
+extern const pl_option pl_study_options[];
+/* --force alone */
+extern const pl_option pl_force_options[];
 
 /* A usage error with the message `which` when neither scenarios nor suites are named (NULL: they
  * need not be), and, unless `reader` is NULL, when a scene is to come from standard input: each
  * `reader` reads its scene, which standard input allows once. */
 pl_status pl_request_check(const pl_request *request, const char *which, const char *reader,
                            pl_error *error);
+
+/* Whether --json and the file `other` (each may be NULL or "-") may be written: they do not exist, or
+ * --resume or --force was given. PL_BAD_INPUT. */
+pl_status pl_request_outputs(const pl_request *request, const char *other, pl_error *error);
 
 /* Adds the cases of all suites, then those of the names. A name with a '/', one that ends in
  * ".json", and "-" are scene files; others are scenarios. Each setting goes to every scenario that
@@ -59,6 +68,11 @@ pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_erro
  * error and left out. */
 pl_status pl_request_add_engines(const pl_call *call, const pl_request *request, pl_plan *plan,
                                  pl_error *error);
+
+/* Opens the journal of a study with pl_study_options, in the folder of --out, which is made. Before, as
+ * pl_request_outputs, whether --json may be written. */
+pl_status pl_request_journal(const pl_call *call, const pl_request *request, pl_journal **journal,
+                             pl_error *error);
 
 /* Says on standard error which engines of the plan ask for more threads than this process has CPUs. */
 void pl_request_note_threads(const pl_call *call, const pl_plan *plan);

@@ -64,7 +64,12 @@ void pl_process_limit_memory(uint64_t memory)
 static void limit_resources(const pl_limits *limits)
 {
     const struct rlimit none = {0, 0};
+    struct rlimit files;
     setrlimit(RLIMIT_CORE, &none);
+    /* Of a limit that the engine sets it dies; the user's is an error of who writes. */
+    if (getrlimit(RLIMIT_FSIZE, &files) == 0 && files.rlim_cur == RLIM_INFINITY) {
+        signal(SIGXFSZ, SIG_DFL);
+    }
     pl_process_limit_memory(limits->memory);
 }
 

@@ -15,14 +15,19 @@ struct pl_store {
     FILE *stream; /* for reading what is there; a lock of fcntl(2) lasts until any is closed */
     int file;     /* of the stream, for writing */
     char *path;
-    off_t size; /* bytes of complete lines */
+    char *replaced;     /* path of what this file replaces; there is such a file, or none */
+    bool replaces;      /* that file */
+    const char *schema; /* of a line; borrowed */
+    off_t size;         /* bytes of complete lines */
     json_t *results;
     json_t *runs; /* a set: run hash -> true */
 };
 
+static const char result_schema[] = "plumb.result/1";
+
 /* Appends the result on one line to `results`. */
-static pl_status read_line(const char *line, size_t length, const char *path, long number,
-                           json_t *results, pl_error *error)
+static pl_status read_line(const char *line, size_t length, const char *expected, const char *path,
+                           long number, json_t *results, pl_error *error)
 {
     json_error_t fault;
     json_t *result = json_loadb(line, length, JSON_REJECT_DUPLICATES, &fault);
@@ -31,12 +36,13 @@ static pl_status read_line(const char *line, size_t length, const char *path, lo
                        fault.text);
     }
     const char *schema = json_string_value(json_object_get(result, "schema"));
-    bool right = schema != NULL && strcmp(schema, "plumb.result/1") == 0 &&
+    bool right = schema != NULL && strcmp(schema, expected) == 0 &&
                  json_is_string(json_object_get(result, "run"));
     if (!right) {
         pl_status status =
-            pl_fail(error, PL_BAD_INPUT, "%s:%ld:1: expected a plumb.result/1, found schema %s",
-                    path, number, schema == NULL ? "none" : schema);
+            pl_fail(error, PL_BAD_INPUT, "%s:%ld:1: expected a %s, found %s%.100s", path, number,
+                    expected, schema == NULL ? "no schema" : "schema ",
+                    schema == NULL ? "" : schema);
         json_decref(result);
         return status;
     }
@@ -47,8 +53,8 @@ static pl_status read_line(const char *line, size_t length, const char *path, lo
 }
 
 /* Reads the results of `stream` into a new array; `path` is for messages. */
-static pl_status read_lines(FILE *stream, const char *path, json_t **results, long long *whole,
-                            pl_error *error)
+static pl_status read_lines(FILE *stream, const char *schema, const char *path, json_t **results,
+                            long long *whole, pl_error *error)
 {
     char *line = NULL;
     size_t capacity = 0;
@@ -63,7 +69,7 @@ static pl_status read_lines(FILE *stream, const char *path, json_t **results, lo
     while (status == PL_OK && (length = getline(&line, &capacity, stream)) > 0 &&
            line[length - 1] == '\n') {
         ++number;
-        status = read_line(line, (size_t)length, path, number, read, error);
+        status = read_line(line, (size_t)length, schema, path, number, read, error);
         end += length;
     }
     if (status == PL_OK && ferror(stream)) {
@@ -88,7 +94,7 @@ pl_status pl_results_read(const char *path, json_t **results, long long *whole, 
     if (stream == NULL) {
         return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
     }
-    pl_status status = read_lines(stream, path, results, whole, error);
+    pl_status status = read_lines(stream, result_schema, path, results, whole, error);
     if (!is_stdin) {
         fclose(stream);
     }
@@ -139,6 +145,9 @@ static pl_status write_by_rename(const char *path, const char *text, size_t leng
     umask(mask);
     fchmod(file, 0666 & ~mask);
     status = write_all(file, text, length, path, error);
+    if (status == PL_OK && fsync(file) != 0) {
+        status = pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+    }
     status = close_written(file, path, status, error);
     if (status == PL_OK && rename(temporary, path) != 0) {
         status = pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
@@ -171,6 +180,20 @@ pl_status pl_write_text(const char *path, const char *text, size_t length, pl_er
                    : close_written(file, path, write_all(file, text, length, path, error), error);
     }
     return write_by_rename(path, text, length, error);
+}
+
+/* Whether there is a regular file that is not empty. */
+static bool has_content(const char *path)
+{
+    struct stat found;
+    return stat(path, &found) == 0 && S_ISREG(found.st_mode) && found.st_size > 0;
+}
+
+pl_status pl_output_check(const char *path, bool force, pl_error *error)
+{
+    return path == NULL || force || pl_is_stdout(path) || !has_content(path)
+               ? PL_OK
+               : pl_fail(error, PL_BAD_INPUT, "%s exists; --force replaces it", path);
 }
 
 pl_status pl_results_write_json(const char *path, const json_t *value, pl_error *error)
@@ -225,7 +248,7 @@ static pl_status keep_lines(pl_store *store, pl_error *error)
 {
     json_t *kept = NULL;
     long long whole = 0;
-    pl_status status = read_lines(store->stream, store->path, &kept, &whole, error);
+    pl_status status = read_lines(store->stream, store->schema, store->path, &kept, &whole, error);
     if (status != PL_OK) {
         return status;
     }
@@ -244,16 +267,20 @@ static pl_status keep_lines(pl_store *store, pl_error *error)
 }
 
 /* The lock goes with the process, so that nothing is left behind by one that was killed. */
-static pl_status lock_file(const pl_store *store, pl_error *error)
+static pl_status lock_file(int file, const char *path, pl_error *error)
 {
     struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-    if (fcntl(store->file, F_SETLK, &lock) != 0) {
-        bool taken = errno == EACCES || errno == EAGAIN;
-        return pl_fail(error, PL_IO, "%s: %s", store->path,
-                       taken ? "another plumb is writing it; choose another --out"
-                             : strerror(errno));
+    struct stat locked, named;
+    const bool is_locked = fcntl(file, F_SETLK, &lock) == 0;
+    if (!is_locked && errno != EACCES && errno != EAGAIN) {
+        return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
     }
-    return PL_OK;
+    /* Meanwhile another process may have given the file another name. */
+    const bool is_there = is_locked && fstat(file, &locked) == 0 && stat(path, &named) == 0 &&
+                          locked.st_ino == named.st_ino && locked.st_dev == named.st_dev;
+    return is_there ? PL_OK
+                   : pl_fail(error, PL_IO, "%s: another plumb is writing it; choose another --out",
+                             path);
 }
 
 /* Cuts the file to its complete lines. */
@@ -270,41 +297,64 @@ static pl_status cut(const pl_store *store, pl_error *error)
     return PL_OK;
 }
 
-pl_status pl_store_open(const char *directory, bool resume, pl_store **store, pl_error *error)
+/* Opens the file of that name, made where it is missing, and locks it. */
+static pl_status open_and_lock(pl_store *store, pl_error *error)
 {
-    pl_status status = pl_make_directories(directory, error);
-    if (status != PL_OK) {
-        return status;
+    if (store->stream != NULL) {
+        fclose(store->stream);
+        store->stream = NULL;
     }
+    store->file = open(store->path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    store->stream = store->file < 0 ? NULL : fdopen(store->file, "r");
+    return store->stream == NULL ? pl_fail(error, PL_IO, "%s: %s", store->path, strerror(errno))
+                                 : lock_file(store->file, store->path, error);
+}
+
+/* Gives the file its other name, unless one that it should replace itself has it: that is the last
+ * complete one. */
+static pl_status set_aside(pl_store *store, pl_error *error)
+{
+    if (!has_content(store->path) || has_content(store->replaced)) {
+        return PL_OK;
+    }
+    return rename(store->path, store->replaced) == 0
+               ? open_and_lock(store, error)
+               : pl_fail(error, PL_IO, "%s: %s", store->path, strerror(errno));
+}
+
+pl_status pl_store_open_file(const char *path, const char *schema, pl_store_mode mode,
+                             const char *remedy, pl_store **store, pl_error *error)
+{
     pl_store *made = calloc(1, sizeof *made);
     if (made == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
     }
     made->file = -1;
+    made->schema = schema;
     made->results = json_array();
     made->runs = json_object();
-    const size_t size = strlen(directory) + sizeof "/results.jsonl";
-    made->path = malloc(size);
-    if (made->path == NULL || made->results == NULL || made->runs == NULL) {
-        status = pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
-        goto cleanup;
+    made->path = strdup(path);
+    if (asprintf(&made->replaced, "%s.replaced", path) < 0) {
+        made->replaced = NULL;
     }
-    snprintf(made->path, size, "%s/results.jsonl", directory);
-    made->file = open(made->path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    made->stream = made->file < 0 ? NULL : fdopen(made->file, "r");
-    if (made->stream == NULL) {
-        status = pl_fail(error, PL_IO, "%s: %s", made->path, strerror(errno));
-        goto cleanup;
+    pl_status status = made->path == NULL || made->replaced == NULL || made->results == NULL ||
+                               made->runs == NULL
+                           ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
+                           : open_and_lock(made, error);
+    if (status == PL_OK && mode == PL_STORE_NEW &&
+        (has_content(path) || has_content(made->replaced))) {
+        status = pl_fail(error, PL_BAD_INPUT, "%s %s", path, remedy);
     }
-    status = lock_file(made, error);
-    if (status == PL_OK && resume) {
+    if (status == PL_OK && mode == PL_STORE_REPLACE) {
+        status = set_aside(made, error);
+        made->replaces = status == PL_OK;
+    }
+    if (status == PL_OK && mode == PL_STORE_RESUME) {
         status = keep_lines(made, error);
     }
     if (status == PL_OK) {
         status = cut(made, error);
     }
-
-cleanup:
     if (status != PL_OK) {
         pl_store_close(made);
         return status;
@@ -313,10 +363,76 @@ cleanup:
     return PL_OK;
 }
 
+/* A folder without results may have files that a command would write. */
+static pl_status check_others(const char *directory, const char *const *others, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; status == PL_OK && others != NULL && others[i] != NULL; ++i) {
+        char *path = NULL;
+        if (asprintf(&path, "%s/%s", directory, others[i]) < 0) {
+            return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
+        }
+        if (has_content(path)) {
+            status = pl_fail(error, PL_BAD_INPUT,
+                             "%s exists: --force replaces it, and --out takes another folder",
+                             path);
+        }
+        free(path);
+    }
+    return status;
+}
+
+pl_status pl_store_open(const char *directory, pl_store_mode mode, const char *const *others,
+                        pl_store **store, pl_error *error)
+{
+    static const char remedy[] =
+        "has results: --resume keeps them and makes the runs that are missing, --force replaces "
+        "them, and --out takes another folder";
+    char *path = NULL;
+    pl_status status = pl_make_directories(directory, error);
+    if (status == PL_OK && asprintf(&path, "%s/results.jsonl", directory) < 0) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
+    }
+    if (status == PL_OK) {
+        status = pl_store_open_file(path, result_schema, mode, remedy, store, error);
+    }
+    if (status == PL_OK && mode == PL_STORE_NEW) {
+        status = check_others(directory, others, error);
+        if (status != PL_OK) {
+            pl_store_remove(*store, false);
+            pl_store_close(*store);
+            *store = NULL;
+        }
+    }
+    free(path);
+    return status;
+}
+
+pl_store_mode pl_store_mode_of(bool resume, bool force)
+{
+    return resume ? PL_STORE_RESUME : force ? PL_STORE_REPLACE : PL_STORE_NEW;
+}
+
+void pl_store_finish(pl_store *store)
+{
+    unlink(store->replaced);
+}
+
+void pl_store_remove(pl_store *store, bool replaced)
+{
+    if (replaced) {
+        unlink(store->replaced);
+    }
+    unlink(store->path);
+}
+
 void pl_store_close(pl_store *store)
 {
     if (store == NULL) {
         return;
+    }
+    if (store->replaces && store->size == 0 && has_content(store->replaced)) {
+        (void)rename(store->replaced, store->path);
     }
     if (store->stream != NULL) {
         fclose(store->stream);
@@ -325,6 +441,7 @@ void pl_store_close(pl_store *store)
     }
     json_decref(store->results);
     json_decref(store->runs);
+    free(store->replaced);
     free(store->path);
     free(store);
 }
@@ -332,6 +449,11 @@ void pl_store_close(pl_store *store)
 json_t *pl_store_results(pl_store *store)
 {
     return store->results;
+}
+
+const json_t *pl_store_runs(const pl_store *store)
+{
+    return store->runs;
 }
 
 bool pl_store_has(const pl_store *store, const char *run)

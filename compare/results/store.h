@@ -15,11 +15,15 @@
 pl_status pl_results_read(const char *path, json_t **results, long long *whole, pl_error *error);
 
 /* Writes text to `path` ("-" is standard output): to a temporary name next to it, renamed when
- * complete. An existing path that is no regular file (a pipe, a device) is written directly. */
+ * complete and on the disk. An existing path that is no regular file (a pipe, a device) is written directly. */
 pl_status pl_write_text(const char *path, const char *text, size_t length, pl_error *error);
 
 /* Whether `path`, which may be NULL, is "-". */
 bool pl_is_stdout(const char *path);
+
+/* PL_BAD_INPUT where `path` is a file that is not empty, which a command is to replace only with
+ * `force`. NULL, "-" and what is no regular file are well. */
+pl_status pl_output_check(const char *path, bool force, pl_error *error);
 
 /* Writes JSON as text in the same way; nothing where `path` is NULL. */
 pl_status pl_results_write_json(const char *path, const json_t *value, pl_error *error);
@@ -27,19 +31,45 @@ pl_status pl_results_write_json(const char *path, const json_t *value, pl_error 
 /* Makes a directory and its parents, where they are missing. */
 pl_status pl_make_directories(const char *directory, pl_error *error);
 
+/* What becomes of a file of results that has some already. */
+typedef enum pl_store_mode {
+    PL_STORE_NEW,    /* it is refused */
+    PL_STORE_RESUME, /* they stay, and an unfinished last line is cut off */
+    PL_STORE_REPLACE /* it stays under the name FILE.replaced until pl_store_finish */
+} pl_store_mode;
+
+/* The mode of --resume and --force; PL_STORE_NEW without. */
+pl_store_mode pl_store_mode_of(bool resume, bool force);
+
 /* An open file of results. */
 typedef struct pl_store pl_store;
 
-/* Opens DIRECTORY/results.jsonl, making the directory where it is missing. With `resume`, the
- * results there stay and an unfinished last line is cut off; PL_BAD_INPUT changes nothing. Without,
- * the file begins empty. PL_IO also when another process has it open for writing. */
-pl_status pl_store_open(const char *directory, bool resume, pl_store **store, pl_error *error);
+/* Opens DIRECTORY/results.jsonl, making the directory where it is missing. PL_BAD_INPUT, which
+ * changes nothing: a line that is no result, or, with PL_STORE_NEW, any result or one of the files
+ * `others` of the directory, names up to a NULL (NULL: none). PL_IO also when another process has it
+ * open for writing. */
+pl_status pl_store_open(const char *directory, pl_store_mode mode, const char *const *others,
+                        pl_store **store, pl_error *error);
 
-/* Closes the file; NULL is allowed. */
+/* The same for a file of lines of another schema, in a directory that exists. `remedy` ends the
+ * message that refuses it. */
+pl_status pl_store_open_file(const char *path, const char *schema, pl_store_mode mode,
+                             const char *remedy, pl_store **store, pl_error *error);
+
+/* The file is complete: one that it replaces is removed. */
+void pl_store_finish(pl_store *store);
+
+/* Removes the file, and with `replaced` what it replaces too. */
+void pl_store_remove(pl_store *store, bool replaced);
+
+/* Closes the file; NULL is allowed. A file that it should replace comes back if nothing was written. */
 void pl_store_close(pl_store *store);
 
 /* All results of the file, oldest first. Borrowed until the store is closed. */
 json_t *pl_store_results(pl_store *store);
+
+/* The set of the hashes of its runs. Borrowed until the store is closed. */
+const json_t *pl_store_runs(const pl_store *store);
 
 /* Whether the file has a result of this run, by its `run` hash. */
 bool pl_store_has(const pl_store *store, const char *run);

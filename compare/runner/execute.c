@@ -197,8 +197,12 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
         e->next += 1;
         if (!done) {
             const pl_scene *scene = NULL;
+            json_t *recalled = NULL;
             status = place_files(e, free_slot, identity, error);
             if (status == PL_OK) {
+                recalled = recall(e, free_slot, identity);
+            }
+            if (status == PL_OK && recalled == NULL) {
                 status = place_scene(e, free_slot, planned.test_case, &scene, error);
             }
             pl_run_def run = {.scene = scene,
@@ -208,7 +212,9 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
                               .recording = free_slot->recording,
                               .positions_stride = e->def->positions_stride,
                               .capture = e->def->capture};
-            if (status == PL_OK && choice->engine->fault.is_fault) {
+            if (recalled != NULL) {
+                status = hand_on(e, recalled, 0, error);
+            } else if (status == PL_OK && choice->engine->fault.is_fault) {
                 status = report_fault(e, &choice->engine->fault, scene, identity, error);
             } else if (status == PL_OK) {
                 free_slot->cpus = pl_schedule_begin(&e->schedule, threads);
@@ -217,7 +223,9 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
                     pl_isolated_run_start(&free_slot->run, &run, identity, &e->def->limits, error);
             }
             free_slot->scene = scene;
-            free_slot->busy = status == PL_OK && !choice->engine->fault.is_fault;
+            free_slot->busy =
+                status == PL_OK && recalled == NULL && !choice->engine->fault.is_fault;
+            json_decref(recalled);
         }
         json_decref(identity);
     }
@@ -234,7 +242,10 @@ static pl_status finish(execution *e, slot *ended, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    status = hand_on(e, result, seconds, error);
+    status = pl_journal_add(e->def->journal, pl_json_get_text(result, "run"), result, error);
+    if (status == PL_OK) {
+        status = hand_on(e, result, seconds, error);
+    }
     if (status == PL_OK && ended->recording != NULL) {
         status = pl_recording_finish(e->def->recordings, pl_json_get_text(result, "run"),
                                      ended->scene, error);
@@ -409,6 +420,7 @@ pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
                                   .limits = def->limits,
                                   .trajectory = def->trajectory,
                                   .provenance = def->provenance,
+                                  .journal = def->journal,
                                   .bar = def->bar,
                                   .user = result,
                                   .keep = keep_result};

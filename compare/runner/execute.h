@@ -6,6 +6,7 @@
 #include "engines/process.h"
 #include "plan.h"
 #include "progress.h"
+#include "results/journal.h"
 #include "run_once.h"
 
 /* What to execute, and how. */
@@ -19,6 +20,7 @@ typedef struct pl_execution_def {
     const char *recordings;    /* folder that gets RUN.json, a recording of every run; NULL: none */
     long positions_stride;     /* steps from one of their samples to the next; 0: the default */
     json_t *provenance;        /* pl_provenance */
+    pl_journal *journal;       /* gives results that it has, and keeps new ones; NULL: none */
     FILE *progress;            /* where progress is shown; NULL: nowhere */
     /* A bar that several executions share, begun and ended by the caller with the runs of all in
      * its total; `progress` is then not used. NULL: one of its own. */
@@ -43,7 +45,7 @@ pl_status pl_execution_due(const pl_execution_def *def, long *due, pl_error *err
 pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *error);
 
 /* Makes the first run of a case on a configuration, with the seed of def->plan and the limits,
- * trajectory, provenance and bar of `def`; its other fields are not used. *result is a new
+ * trajectory, provenance, journal and bar of `def`; its other fields are not used. *result is a new
  * reference; NULL at a signal. */
 pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
                          const pl_configuration *configuration, json_t **result, int *signal_number,

@@ -157,13 +157,15 @@ char *pl_recording_path(const char *folder, const char *run, bool raw)
     return asprintf(&path, "%s/%s.%s", folder, run, raw ? "raw" : "json") < 0 ? NULL : path;
 }
 
-void pl_recordings_remove(const char *folder)
+void pl_recordings_remove(const char *folder, const json_t *kept)
 {
     DIR *directory = opendir(folder);
     const struct dirent *entry;
     while (directory != NULL && (entry = readdir(directory)) != NULL) {
         const char *name = entry->d_name;
-        if (strspn(name, "0123456789abcdef") == 16 &&
+        char run[17];
+        snprintf(run, sizeof run, "%.16s", name);
+        if (strspn(name, "0123456789abcdef") == 16 && json_object_get(kept, run) == NULL &&
             (strcmp(name + 16, ".json") == 0 || strcmp(name + 16, ".raw") == 0)) {
             unlinkat(dirfd(directory), name, 0);
         }

@@ -10,6 +10,7 @@
 #include "plumb/scene.h"
 #include "referee/metrics/curves.h"
 
+#include <jansson.h>
 #include <stdio.h>
 
 /* A raw file that is being written; {0} is one that was never created. */
@@ -49,8 +50,9 @@ void pl_recorder_end(pl_recorder *recorder);
  * NULL when out of memory. */
 char *pl_recording_path(const char *folder, const char *run, bool raw);
 
-/* Removes the recordings and raw files of a folder, and nothing else. */
-void pl_recordings_remove(const char *folder);
+/* Removes the recordings and raw files of a folder, and nothing else, but for those of the runs in the
+ * set `kept`; NULL: none. */
+void pl_recordings_remove(const char *folder, const json_t *kept);
 
 /* Turns the raw file of a run of `scene` into FOLDER/RUN.json and removes it. A raw file without a
  * frame leaves nothing. PL_IO, PL_NO_MEMORY. */

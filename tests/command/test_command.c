@@ -217,7 +217,7 @@ static void test_trajectory_goes_to_file_or_standard_output(void **state)
     free_output(&output);
     free(text);
     /* One that crashes leaves the frames before it. */
-    check_call(state, "run @ --engine %:segfault --trajectory #.csv", 3, "SIGSEGV", "");
+    check_call(state, "run @ --engine %:segfault --trajectory #.csv --force", 3, "SIGSEGV", "");
     text = read_text(path);
     assert_contains(text, "\n0.02,\"b\"");
     assert_int_equal(text[strlen(text) - 1], '\n');
@@ -252,7 +252,7 @@ static void test_compare_separates_data_from_messages_in_all_forms(void **state)
         assert_int_equal(access(path, R_OK), 0);
         free(path);
     }
-    check_call(state, "compare @ --engine % --out # --json #.json", 0, "faulty:good", "report");
+    check_call(state, "compare @ --engine % --out # --json #.json --force", 0, "faulty:good", "report");
     char *path = path_in(f->directory, "report.json");
     json_t *written = json_load_file(path, 0, NULL);
     assert_int_equal(json_array_size(written), 1);
@@ -263,7 +263,8 @@ static void test_compare_separates_data_from_messages_in_all_forms(void **state)
 static void test_jobs_side_by_side_make_the_same_runs(void **state)
 {
     plumb_output output = call(
-        *state, "compare @ --engine % --engine %:slow_print --repeat 8 --jobs 4 --out # --json -");
+        *state,
+        "compare @ --engine % --engine %:slow_print --repeat 8 --jobs 4 --out # --json - --force");
     assert_int_equal(output.code, 0);
     json_t *results = parse(output.out);
     json_t *runs = json_object();
@@ -282,15 +283,15 @@ static void test_jobs_side_by_side_make_the_same_runs(void **state)
 
 static void test_nothing_compared_exits_4(void **state)
 {
-    check_call(state, "compare @ --engine %:mass --out #", 4, "", "");
+    check_call(state, "compare @ --engine %:mass --out # --force", 4, "", "");
 }
 
 static void test_unwritable_output_exits_3_with_its_name(void **state)
 {
     const workspace *f = *state;
     check_call(state, "compare @ --engine % --out @/x", 3, "", "scene.json");
-    check_call(state, "compare @ --engine % --out # --json /dev/full", 3, "", "/dev/full");
-    check_call(state, "compare @ --engine % --out # --json #/none/all.json", 3, "", "all.json");
+    check_call(state, "compare @ --engine % --out # --json /dev/full --force", 3, "", "/dev/full");
+    check_call(state, "compare @ --engine % --out # --json #/none/all.json --force", 3, "", "all.json");
     check_call(state, "run @ --engine % --json /dev/full", 3, "", "/dev/full");
     char *path = path_in(f->directory, "full");
     char *file = path_in(path, "results.jsonl");
@@ -338,7 +339,7 @@ static void test_a_closed_standard_stream_never_becomes_a_file(void **state)
     static const char *const closed[] = {">&-", "<&- >&-", "<&- >&- 2>&-"};
     for (size_t i = 0; i < sizeof closed / sizeof closed[0]; ++i) {
         char text[512];
-        snprintf(text, sizeof text, "compare %s --engine %s --out %s --json -", f->scene, FAULTY,
+        snprintf(text, sizeof text, "compare %s --engine %s --out %s --json - --force", f->scene, FAULTY,
                  f->out);
         assert_int_equal(shell(f, text, closed[i]), 3);
         json_t *results = NULL;

@@ -29,9 +29,12 @@ static plumb_output compare(const workspace *f, const char *const *more)
 {
     const char *arguments[32] = {"compare", "tower", "--set", "n=5", "--out", f->out};
     int count = 6;
+    bool resumes = false;
     for (; *more != NULL; ++more) {
+        resumes = resumes || strcmp(*more, "--resume") == 0;
         arguments[count++] = *more;
     }
+    arguments[count] = resumes ? NULL : "--force";
     plumb_output output = run_plumb(f->directory, arguments);
     if (output.code != 0) {
         print_error("%s", output.err);

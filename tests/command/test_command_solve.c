@@ -331,7 +331,7 @@ static void test_the_benchmark_writes_losses_first_and_every_cell(void **state)
     char *json_path = path_in(report, "solver-benchmark.json");
     char *const argv[] = {"plumb", "solve", NULL};
     pl_error error = {.message = ""};
-    assert_int_equal(pl_benchmark_run(small, 2, report, 2, argv, &error), PL_OK);
+    assert_int_equal(pl_benchmark_run(small, 2, report, NULL, 2, argv, &error), PL_OK);
     char *markdown = read_text(markdown_path), *csv = read_text(csv_path);
     char *json_text = read_text(json_path);
     assert_true(markdown != NULL && csv != NULL && json_text != NULL);

@@ -34,7 +34,7 @@ END
 # ---- Read back: what was compared, and how exactly
 reads() { # reads OUTCOME READ_BACK FILE
     local result
-    "$PLUMB" run free-fall --duration 0.1 --engine "$3" --json read.json >/dev/null 2>&1 || true
+    "$PLUMB" run free-fall --duration 0.1 --engine "$3" --json read.json --force >/dev/null 2>&1 || true
     result=$(python3 -c 'import json; r = json.load(open("read.json")); print(r["outcome"], *r["read_back"], sep=",")')
     [[ $result == "$1$2" ]] || note_failure "$3: $result, not $1$2: $(cat read.json)"
 }

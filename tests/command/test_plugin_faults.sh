@@ -264,7 +264,7 @@ expect 0 'ok' ./scene.json --engine ./unload-replace.so
 # A file that is cut short: where loading it is a crash, it is a row; otherwise it is bad input.
 for size in 100 4096 9000 12000; do
     head -c "$size" none-none.so >cut.so
-    "$PLUMB" compare ./scene.json --engine ./none-none.so --engine ./cut.so --out cut >out 2>&1 && code=0 || code=$?
+    "$PLUMB" compare ./scene.json --engine ./none-none.so --engine ./cut.so --out cut --force >out 2>&1 && code=0 || code=$?
     if [[ $code == 0 ]]; then
         grep -q 'crashed' out || note_failure "a cut plug-in of $size bytes: $(cat out)"
     else

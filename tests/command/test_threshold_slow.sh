@@ -10,7 +10,7 @@ expect() {
     local tolerance=$1 dt
     shift
     for dt in 1/60 1/240; do
-        "$PLUMB" threshold "$@" --engine plumb:accurate --dt "$dt" --json row.json >out 2>&1 ||
+        "$PLUMB" threshold "$@" --engine plumb:accurate --dt "$dt" --json row.json --force >out 2>&1 ||
             note_failure "threshold $* --dt $dt: $(tail -1 out)"
         python3 - "$tolerance" <<'END' || note_failure "threshold $* --dt $dt: $(cat row.json)"
 import json, sys

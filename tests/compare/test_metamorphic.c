@@ -148,7 +148,7 @@ enum { STEPS = 20 };
 static void write_frames(pl_trajectory *trajectory, int frames, int from, double off, double turn)
 {
     pl_error error = {.message = ""};
-    assert_int_equal(pl_trajectory_open(trajectory, &error), PL_OK);
+    assert_int_equal(pl_trajectory_open(trajectory, NULL, &error), PL_OK);
     fprintf(trajectory->file, "time,body,...\n");
     for (int i = 0; i < frames; ++i) {
         double y = i >= from ? off : 0, w = i >= from ? turn / 2 : 0;

@@ -335,7 +335,7 @@ static void test_removing_recordings_leaves_other_files(void **state)
         snprintf(name, sizeof name, "%s/%s", directory, names[i]);
         fclose(fopen(name, "w"));
     }
-    pl_recordings_remove(directory);
+    pl_recordings_remove(directory, NULL);
     for (int i = 0; i < 4; ++i) {
         snprintf(name, sizeof name, "%s/%s", directory, names[i]);
         assert_int_equal(access(name, F_OK) == 0, i > 1);

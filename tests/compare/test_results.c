@@ -226,7 +226,7 @@ static char *directory_with_two(void)
     char *directory = make_directory();
     pl_store *store = NULL;
     pl_error error;
-    assert_int_equal(pl_store_open(directory, false, &store, &error), PL_OK);
+    assert_int_equal(pl_store_open(directory, PL_STORE_NEW, NULL, &store, &error), PL_OK);
     for (int i = 0; i < 2; ++i) {
         json_t *result = row(i == 0 ? "a" : "b");
         assert_int_equal(pl_store_append(store, result, &error), PL_OK);
@@ -249,7 +249,7 @@ static void test_resume_keeps_complete_lines_only(void **state)
         write_text(path, part);
         pl_store *store = NULL;
         pl_error error = {.message = ""};
-        assert_int_equal(pl_store_open(directory, true, &store, &error), PL_OK);
+        assert_int_equal(pl_store_open(directory, PL_STORE_RESUME, NULL, &store, &error), PL_OK);
         assert_int_equal(pl_store_has(store, "a"), length >= first);
         assert_int_equal(pl_store_has(store, "b"), length == strlen(whole));
         json_t *result = row("c");
@@ -269,18 +269,76 @@ static void test_resume_keeps_complete_lines_only(void **state)
     remove_directory(directory);
 }
 
-static void test_without_resume_the_file_begins_anew(void **state)
+static void check_text(const char *path, const char *expected)
+{
+    char *text = read_text(path);
+    assert_string_equal(text, expected);
+    free(text);
+}
+
+static void test_without_resume_or_force_results_are_refused(void **state)
 {
     (void)state;
     char *directory = directory_with_two();
     char *path = path_in(directory, "results.jsonl");
+    char *before = read_text(path);
     pl_store *store = NULL;
-    assert_int_equal(pl_store_open(directory, false, &store, NULL), PL_OK);
-    assert_false(pl_store_has(store, "a"));
-    pl_store_close(store);
-    char *text = read_text(path);
-    assert_string_equal(text, "");
-    free(text);
+    pl_error error = {.message = ""};
+    assert_int_equal(pl_store_open(directory, PL_STORE_NEW, NULL, &store, &error), PL_BAD_INPUT);
+    assert_null(store);
+    assert_contains(error.message, path);
+    assert_contains(error.message, "--resume");
+    assert_contains(error.message, "--force");
+    check_text(path, before);
+    /* A file that such a folder may have in place of results. */
+    static const char *const others[] = {"index.html", NULL};
+    char *page = path_in(directory, "index.html");
+    write_text(page, "mine");
+    write_text(path, "");
+    assert_int_equal(pl_store_open(directory, PL_STORE_NEW, others, &store, &error), PL_BAD_INPUT);
+    assert_contains(error.message, "index.html exists");
+    check_text(page, "mine");
+    free(page);
+    free(before);
+    free(path);
+    remove_directory(directory);
+}
+
+/* At every moment the old results, or complete new ones, are there. */
+static void test_replaced_results_stay_until_the_end(void **state)
+{
+    (void)state;
+    char *directory = directory_with_two();
+    char *path = path_in(directory, "results.jsonl");
+    char *replaced = path_in(directory, "results.jsonl.replaced");
+    char *before = read_text(path);
+    for (int round = 0; round < 3; ++round) {
+        pl_store *store = NULL;
+        pl_error error = {.message = ""};
+        assert_int_equal(pl_store_open(directory, PL_STORE_REPLACE, NULL, &store, &error), PL_OK);
+        assert_false(pl_store_has(store, "a"));
+        check_text(replaced, before);
+        if (round > 0) { /* the second round ends as a killed process does */
+            json_t *result = row("c");
+            assert_int_equal(pl_store_append(store, result, &error), PL_OK);
+            json_decref(result);
+            check_text(replaced, before);
+        }
+        if (round == 2) {
+            pl_store_finish(store);
+        }
+        pl_store_close(store);
+        assert_int_equal(access(replaced, F_OK) == 0, round == 1);
+        if (round == 0) { /* nothing came in their place */
+            check_text(path, before);
+        }
+    }
+    json_t *read = NULL;
+    assert_int_equal(pl_results_read(path, &read, NULL, NULL), PL_OK);
+    assert_int_equal(json_array_size(read), 1);
+    json_decref(read);
+    free(before);
+    free(replaced);
     free(path);
     remove_directory(directory);
 }
@@ -292,7 +350,7 @@ static void check_bad_line(const char *text, const char *where)
     write_text(path, text);
     pl_store *store = NULL;
     pl_error error = {.message = ""};
-    assert_int_equal(pl_store_open(directory, true, &store, &error), PL_BAD_INPUT);
+    assert_int_equal(pl_store_open(directory, PL_STORE_RESUME, NULL, &store, &error), PL_BAD_INPUT);
     assert_null(store);
     assert_contains(error.message, path);
     assert_contains(error.message, where);
@@ -327,13 +385,18 @@ static void test_one_process_at_a_time_writes_a_file(void **state)
     (void)state;
     char *directory = directory_with_two();
     pl_store *store = NULL;
-    assert_int_equal(pl_store_open(directory, true, &store, NULL), PL_OK);
+    assert_int_equal(pl_store_open(directory, PL_STORE_RESUME, NULL, &store, NULL), PL_OK);
     pid_t pid = fork();
     if (pid == 0) {
         pl_store *second = NULL;
         pl_error error = {.message = ""};
-        pl_status status = pl_store_open(directory, false, &second, &error);
-        _exit(status == PL_IO && strstr(error.message, "another plumb") != NULL ? 0 : 1);
+        bool refused = true;
+        for (int mode = PL_STORE_NEW; mode <= PL_STORE_REPLACE; ++mode) {
+            refused = refused && pl_store_open(directory, (pl_store_mode)mode, NULL, &second,
+                                               &error) == PL_IO &&
+                      strstr(error.message, "another plumb") != NULL;
+        }
+        _exit(refused ? 0 : 1);
     }
     int ended = 0;
     assert_int_equal(waitpid(pid, &ended, 0), pid);
@@ -345,7 +408,7 @@ static void test_one_process_at_a_time_writes_a_file(void **state)
         char *path = path_in(directory, "results.jsonl");
         write_text(path, "{\"unfinished\n");
         pl_store *second = NULL;
-        _exit(pl_store_open(directory, true, &second, NULL) == PL_IO ? 0 : 1);
+        _exit(pl_store_open(directory, PL_STORE_RESUME, NULL, &second, NULL) == PL_IO ? 0 : 1);
     }
     assert_int_equal(waitpid(pid, &ended, 0), pid);
     assert_int_equal(ended, 0);
@@ -361,7 +424,7 @@ static void test_a_full_disk_is_an_error(void **state)
     assert_int_equal(symlink("/dev/full", path), 0);
     pl_store *store = NULL;
     pl_error error = {.message = ""};
-    assert_int_equal(pl_store_open(directory, false, &store, &error), PL_OK);
+    assert_int_equal(pl_store_open(directory, PL_STORE_NEW, NULL, &store, &error), PL_OK);
     json_t *result = row("a");
     assert_int_equal(pl_store_append(store, result, &error), PL_IO);
     assert_contains(error.message, "No space left");
@@ -381,7 +444,7 @@ static void test_failed_write_leaves_the_earlier_lines(void **state)
     char *path = path_in(directory, "results.jsonl");
     pl_store *store = NULL;
     pl_error error = {.message = ""};
-    assert_int_equal(pl_store_open(directory, true, &store, &error), PL_OK);
+    assert_int_equal(pl_store_open(directory, PL_STORE_RESUME, NULL, &store, &error), PL_OK);
     json_t *result = row("c");
     assert_int_equal(pl_store_append(store, result, &error), PL_OK);
     struct rlimit limit;
@@ -418,9 +481,9 @@ static void test_directories_are_created_unless_a_file_blocks(void **state)
     char *blocked = path_in(directory, "a/b/c/results.jsonl/d");
     pl_store *store = NULL;
     pl_error error = {.message = ""};
-    assert_int_equal(pl_store_open(deep, false, &store, &error), PL_OK);
+    assert_int_equal(pl_store_open(deep, PL_STORE_NEW, NULL, &store, &error), PL_OK);
     pl_store_close(store);
-    assert_int_equal(pl_store_open(blocked, false, &store, &error), PL_IO);
+    assert_int_equal(pl_store_open(blocked, PL_STORE_NEW, NULL, &store, &error), PL_IO);
     assert_contains(error.message, "results.jsonl");
     free(deep);
     free(blocked);
@@ -473,7 +536,8 @@ int main(void)
         cmocka_unit_test(test_a_run_without_a_frame_has_null_poses),
         cmocka_unit_test(test_any_bytes_become_valid_text),
         cmocka_unit_test(test_resume_keeps_complete_lines_only),
-        cmocka_unit_test(test_without_resume_the_file_begins_anew),
+        cmocka_unit_test(test_without_resume_or_force_results_are_refused),
+        cmocka_unit_test(test_replaced_results_stay_until_the_end),
         cmocka_unit_test(test_invalid_complete_line_is_an_error_without_changes),
         cmocka_unit_test(test_one_process_at_a_time_writes_a_file),
         cmocka_unit_test(test_a_full_disk_is_an_error),

@@ -167,11 +167,19 @@ static void test_a_killed_comparison_takes_its_run_with_it(void **state)
     assert_true(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGKILL);
 }
 
-static void test_without_resume_results_are_replaced(void **state)
+static void test_results_are_replaced_with_force_alone(void **state)
 {
     const workspace *f = *state;
     write_text(f->results, "anything\n");
     plumb_output output = wait_plumb(f->directory, start_compare(f, FAULTY ":good", NULL));
+    assert_int_equal(output.code, 2);
+    assert_contains(output.err, "--resume");
+    assert_contains(output.err, "--force");
+    free_output(&output);
+    char *after = read_text(f->results);
+    assert_string_equal(after, "anything\n");
+    free(after);
+    output = wait_plumb(f->directory, start_compare(f, FAULTY ":good", "--force"));
     assert_int_equal(output.code, 0);
     free_output(&output);
     json_t *results = read_results(f);
@@ -205,7 +213,7 @@ int main(void)
                                         teardown_workspace),
         cmocka_unit_test_setup_teardown(test_a_killed_comparison_takes_its_run_with_it, prepare,
                                         teardown_workspace),
-        cmocka_unit_test_setup_teardown(test_without_resume_results_are_replaced, prepare,
+        cmocka_unit_test_setup_teardown(test_results_are_replaced_with_force_alone, prepare,
                                         teardown_workspace),
         cmocka_unit_test_setup_teardown(test_a_broken_line_stops_resume_and_stays, prepare,
                                         teardown_workspace),

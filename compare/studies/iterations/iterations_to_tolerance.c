@@ -219,6 +219,7 @@ static pl_status try_budget(void *user, long budget, pl_budget_trial *trial, dou
     const pl_execution_def execution = {.plan = c->def->plan,
                                         .limits = c->def->limits,
                                         .provenance = c->def->provenance,
+                                        .journal = c->def->journal,
                                         .bar = c->def->bar};
     json_t *result = NULL;
     pl_status status =

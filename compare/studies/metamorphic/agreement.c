@@ -7,11 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-pl_status pl_trajectory_open(pl_trajectory *trajectory, pl_error *error)
+pl_status pl_trajectory_open(pl_trajectory *trajectory, const char *path, pl_error *error)
 {
-    *trajectory = (pl_trajectory){.file = tmpfile()};
+    *trajectory = (pl_trajectory){.file = path == NULL ? tmpfile() : fopen(path, "w+e")};
     return trajectory->file == NULL
-               ? pl_fail(error, PL_IO, "no temporary file for a trajectory: %s", strerror(errno))
+               ? pl_fail(error, PL_IO, "%s: %s",
+                         path == NULL ? "no temporary file for a trajectory" : path,
+                         strerror(errno))
                : PL_OK;
 }
 

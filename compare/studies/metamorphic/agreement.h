@@ -17,8 +17,9 @@ typedef struct pl_trajectory {
     size_t capacity;
 } pl_trajectory;
 
-/* Opens an empty temporary file for a run's frames; it is deleted when closed. */
-pl_status pl_trajectory_open(pl_trajectory *trajectory, pl_error *error);
+/* Opens an empty file for a run's frames. `path` is its name; NULL: it is a temporary one, which is
+ * deleted when closed. */
+pl_status pl_trajectory_open(pl_trajectory *trajectory, const char *path, pl_error *error);
 void pl_trajectory_close(pl_trajectory *trajectory); /* all zeros allowed */
 
 /* Goes to the first frame of a scene with `body_count` bodies. */

@@ -3,6 +3,7 @@
 
 #include "base/folding.h"
 #include "base/table.h"
+#include "check_record.h"
 #include "runner/execute.h"
 #include "runner/progress.h"
 #include "transform.h"
@@ -10,6 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct study {
     const pl_metamorphic_def *def;
@@ -17,11 +19,14 @@ typedef struct study {
     int signal; /* that ended a run; 0: none */
 } study;
 
+enum { CHECK_KEY_SIZE = 128 };
+
 /* A run of another scene in place of the planned run's. */
 typedef struct run {
     const pl_planned_run *planned;
     const pl_scene *scene;
     const char *check; /* "plain" or a check's name */
+    char *path;        /* of the frames, which the journal needs; NULL: none */
     pl_trajectory trajectory;
     json_t *result; /* NULL: interrupted */
 } run;
@@ -33,7 +38,7 @@ static pl_status make_run(study *t, run *r, pl_error *error)
     test_case.scene = *r->scene;
     pl_status status = pl_scene_hash(r->scene, test_case.scene_hash, error);
     if (status == PL_OK) {
-        status = pl_trajectory_open(&r->trajectory, error);
+        status = pl_trajectory_open(&r->trajectory, r->path, error);
     }
     if (status != PL_OK) {
         return status;
@@ -47,6 +52,10 @@ static pl_status make_run(study *t, run *r, pl_error *error)
     }
     status = pl_execute_one(&execution, &test_case, r->planned->configuration, &r->result,
                             &t->signal, error);
+    if (status == PL_OK && (fflush(r->trajectory.file) != 0 || ferror(r->trajectory.file) != 0)) {
+        return pl_fail(error, PL_IO, "the frames of %s, %s, cannot be written",
+                       r->planned->test_case->name, r->check);
+    }
     if (status == PL_OK && t->signal == 0 && t->def->progress != NULL) {
         char title[256];
         snprintf(title, sizeof title, "%s, %s", r->planned->test_case->name, r->check);
@@ -55,8 +64,37 @@ static pl_status make_run(study *t, run *r, pl_error *error)
     return status;
 }
 
+/* The plain run that the journal has, with its frames where they are needed; else a new one. */
+static pl_status make_plain(study *t, run *plain, bool needs_frames, pl_error *error)
+{
+    char key[17];
+    pl_status status = pl_planned_run_hash(t->def->plan, plain->planned, key, error);
+    if (status != PL_OK || t->def->journal == NULL) {
+        return status == PL_OK ? make_run(t, plain, error) : status;
+    }
+    if (asprintf(&plain->path, "%s-%s.frames", pl_journal_path(t->def->journal), key) < 0) {
+        plain->path = NULL;
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
+    }
+    plain->result = pl_journal_take(t->def->journal, key);
+    if (plain->result != NULL && needs_frames) {
+        plain->trajectory.file = fopen(plain->path, "re");
+    }
+    if (plain->result != NULL && (plain->trajectory.file != NULL || !needs_frames)) {
+        return PL_OK;
+    }
+    json_decref(plain->result);
+    plain->result = NULL;
+    status = make_run(t, plain, error);
+    if (status == PL_OK && t->signal == 0) {
+        status = pl_journal_add(t->def->journal, key, plain->result, error);
+    }
+    return status;
+}
+
 static void free_run(run *r)
 {
+    free(r->path);
     pl_trajectory_close(&r->trajectory);
     json_decref(r->result);
 }
@@ -155,18 +193,72 @@ static pl_status make_check(study *t, run *plain, pl_check_result *result, pl_er
     return status;
 }
 
-/* Runs all chosen checks of one scene on one engine. */
-static pl_status check_run(study *t, const pl_planned_run *planned, pl_check_result *results,
-                           pl_error *error)
+/* The journal's key of a check: that of the plain run, and its name. */
+static pl_status check_key(const study *t, const pl_planned_run *planned, const pl_check *check,
+                           char key[CHECK_KEY_SIZE], pl_error *error)
+{
+    char run_key[17];
+    pl_status status = pl_planned_run_hash(t->def->plan, planned, run_key, error);
+    snprintf(key, CHECK_KEY_SIZE, "%s %.80s", run_key, check->name);
+    return status;
+}
+
+/* Takes the results of the chosen checks from the journal, as far as it has them; of the others only
+ * the check is set, and *missing counts them. */
+static pl_status recall_checks(const study *t, const pl_planned_run *planned,
+                               pl_check_result *results, bool *known, int *missing, pl_error *error)
 {
     int check_count, count = 0;
     const pl_check *checks = pl_checks(&check_count);
+    pl_status status = PL_OK;
+    *missing = 0;
+    for (int i = 0; i < check_count && status == PL_OK; ++i) {
+        char key[CHECK_KEY_SIZE];
+        if (!t->def->chosen[i]) {
+            continue;
+        }
+        results[count] = (pl_check_result){.check = &checks[i]};
+        status = check_key(t, planned, &checks[i], key, error);
+        json_t *record = status == PL_OK ? pl_journal_take(t->def->journal, key) : NULL;
+        known[count] = record != NULL && pl_check_record_read(record, &results[count]);
+        *missing += !known[count];
+        json_decref(record);
+        ++count;
+    }
+    return status;
+}
+
+/* Makes a check and adds it to the journal. */
+static pl_status make_and_keep(study *t, run *plain, pl_check_result *result, pl_error *error)
+{
+    char key[CHECK_KEY_SIZE];
+    pl_status status = make_check(t, plain, result, error);
+    if (status != PL_OK || t->signal != 0) {
+        return status;
+    }
+    status = check_key(t, plain->planned, result->check, key, error);
+    json_t *record = pl_check_record_make(result);
+    if (status == PL_OK) {
+        status = record == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for a check")
+                                : pl_journal_add(t->def->journal, key, record, error);
+    }
+    json_decref(record);
+    return status;
+}
+
+/* Runs all chosen checks of one scene on one engine. */
+static pl_status check_run(study *t, const pl_planned_run *planned, pl_check_result *results,
+                           bool *known, int count, pl_error *error)
+{
+    int missing = 0;
     run plain = {.planned = planned, .scene = &planned->test_case->scene, .check = "plain"};
-    pl_status status = make_run(t, &plain, error);
-    for (int i = 0; i < check_count && status == PL_OK && t->signal == 0; ++i) {
-        if (t->def->chosen[i]) {
-            results[count] = (pl_check_result){.check = &checks[i]};
-            status = make_check(t, &plain, &results[count++], error);
+    pl_status status = recall_checks(t, planned, results, known, &missing, error);
+    if (status == PL_OK) {
+        status = make_plain(t, &plain, missing > 0, error);
+    }
+    for (int i = 0; i < count && status == PL_OK && t->signal == 0; ++i) {
+        if (!known[i]) {
+            status = make_and_keep(t, &plain, &results[i], error);
         }
     }
     if (status == PL_OK && t->signal == 0) {
@@ -178,6 +270,9 @@ static pl_status check_run(study *t, const pl_planned_run *planned, pl_check_res
                                                 .results = results,
                                                 .result_count = count};
         status = t->def->keep(t->def->user, &checks_of_run, error);
+        if (plain.path != NULL) {
+            unlink(plain.path);
+        }
     }
     free_run(&plain);
     return status;
@@ -193,7 +288,10 @@ pl_status pl_run_checks(const pl_metamorphic_def *def, int *signal_number, pl_er
         chosen += def->chosen[i];
     }
     pl_check_result *results = calloc((size_t)check_count, sizeof *results);
-    if (results == NULL) {
+    bool *known = calloc((size_t)check_count, sizeof *known);
+    if (results == NULL || known == NULL) {
+        free(results);
+        free(known);
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the checks");
     }
     if (def->progress != NULL) {
@@ -202,12 +300,13 @@ pl_status pl_run_checks(const pl_metamorphic_def *def, int *signal_number, pl_er
     }
     for (long i = 0; i < pl_plan_size(def->plan) && status == PL_OK && t.signal == 0; ++i) {
         const pl_planned_run planned = pl_plan_run(def->plan, i);
-        status = check_run(&t, &planned, results, error);
+        status = check_run(&t, &planned, results, known, chosen, error);
     }
     if (def->progress != NULL) {
         pl_progress_end(&t.progress);
     }
     free(results);
+    free(known);
     *signal_number = t.signal;
     return status;
 }

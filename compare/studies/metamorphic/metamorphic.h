@@ -6,6 +6,7 @@
 #include "agreement.h"
 #include "check_list.h"
 #include "engines/process.h"
+#include "results/journal.h"
 #include "runner/plan.h"
 
 /* The result of one check. */
@@ -32,6 +33,7 @@ typedef struct pl_metamorphic_def {
     const bool *chosen;  /* which of pl_checks */
     pl_limits limits;
     json_t *provenance;
+    pl_journal *journal; /* of the checks and plain runs; NULL: none */
     FILE *progress; /* NULL: no progress is shown */
     void *user;
     /* Receives the checks of each run as they end. A status other than PL_OK ends the study. */

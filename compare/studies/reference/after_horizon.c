@@ -55,6 +55,7 @@ static pl_status run_crowd(const pl_reference_def *def, crowd *c, int *signal_nu
                                         .limits = def->execution.limits,
                                         .positions = def->execution.positions,
                                         .provenance = def->execution.provenance,
+                                        .journal = def->execution.journal,
                                         .bar = def->execution.bar,
                                         .user = c->results,
                                         .keep = keep_result};

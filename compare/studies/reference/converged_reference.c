@@ -141,6 +141,7 @@ static pl_status run_level(making *m, int level, int *signal_number, pl_error *e
                                         .positions = given->positions,
                                         .positions_stride = m->reference->stride << level,
                                         .provenance = given->provenance,
+                                        .journal = given->journal,
                                         .bar = given->bar,
                                         .user = m,
                                         .keep = keep_result};

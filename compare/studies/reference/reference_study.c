@@ -96,6 +96,7 @@ static pl_status run_with_positions(const pl_reference_study_def *def, pl_case *
                                         .limits = def->execution.limits,
                                         .positions = def->execution.positions,
                                         .provenance = def->execution.provenance,
+                                        .journal = def->execution.journal,
                                         .bar = bar,
                                         .user = &user,
                                         .skip = is_hopeless,

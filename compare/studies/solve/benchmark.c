@@ -285,21 +285,48 @@ static json_t *collect_levels(const pl_process *process)
     return levels;
 }
 
-/* Runs one solver from one start in its own process. */
-static pl_status run_solver(solver_run_def *l, const char *start, json_t *cells, pl_error *error)
+enum { KEY_SIZE = 256 };
+
+/* The journal's key, which names our engine's binary, of a problem, or of one solver from one start on it. */
+static pl_status key_of(const pl_benchmark_problem *row, const char *solver, const char *start,
+                        char key[KEY_SIZE], pl_error *error)
+{
+    pl_engine_choice engine;
+    pl_status status = pl_engine_choose("plumb:accurate", &engine, error);
+    if (status == PL_OK) {
+        snprintf(key, KEY_SIZE, "%s %s %.60s %s", engine.engine->binary, row->name,
+                 solver == NULL ? "" : solver, start == NULL ? "" : start);
+    }
+    return status;
+}
+
+/* Runs one solver from one start in its own process, unless the journal has its cell. */
+static pl_status run_solver(const pl_benchmark_problem *row, solver_run_def *l, const char *start,
+                            pl_journal *journal, json_t *cells, pl_error *error)
 {
     pl_process process;
-    pl_status status = pl_process_start(&process, &LIMITS, solve_levels, l, error);
+    char key[KEY_SIZE];
+    pl_status status = key_of(row, l->solver.name, start, key, error);
+    json_t *cell = status == PL_OK ? pl_journal_take(journal, key) : NULL;
+    if (cell != NULL) {
+        return json_array_append_new(cells, cell) == 0
+                   ? PL_OK
+                   : pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    if (status == PL_OK) {
+        status = pl_process_start(&process, &LIMITS, solve_levels, l, error);
+    }
     if (status == PL_OK) {
         status = pl_process_wait(&process, error);
     }
     if (status != PL_OK) {
         return status;
     }
-    json_t *cell = json_pack("{s:s, s:s, s:o}", "solver", l->solver.name, "start", start, "levels",
+    cell = json_pack("{s:s, s:s, s:o}", "solver", l->solver.name, "start", start, "levels",
                              collect_levels(&process));
     pl_process_free(&process);
-    return json_array_append_new(cells, cell) == 0 ? PL_OK
+    status = pl_journal_add(journal, key, cell, error);
+    return json_array_append_new(cells, cell) == 0 ? status
                                                    : pl_fail(error, PL_NO_MEMORY, "out of memory");
 }
 
@@ -353,9 +380,9 @@ static json_t *describe(const pl_benchmark_problem *row, const pe_contact_proble
 
 /* Solves one problem by every solver, warm and cold. *result is a new reference: the problem, and
  * its `cells`, one per solver and start, with the `levels` in order up to the first that was not
- * reached. `progress` may be NULL. */
+ * reached. */
 static pl_status pl_benchmark_solve(const pl_benchmark_problem *row,
-                                    const pe_contact_problem *problem, FILE *progress,
+                                    const pe_contact_problem *problem, pl_journal *journal,
                                     json_t **result, pl_error *error)
 {
     pe_contact_problem *cold = NULL;
@@ -364,10 +391,8 @@ static pl_status pl_benchmark_solve(const pl_benchmark_problem *row,
     for (int i = 0; i < 2 * pe_solver_count() && status == PL_OK; ++i) {
         bool is_warm = i < pe_solver_count();
         solver_run_def l = {is_warm ? problem : cold, pe_solver(i % pe_solver_count())};
-        if (progress != NULL) {
-            fprintf(progress, "%s, %s, %s\n", row->name, is_warm ? "warm" : "cold", l.solver.name);
-        }
-        status = run_solver(&l, is_warm ? "warm" : "cold", cells, error);
+        fprintf(stderr, "%s, %s, %s\n", row->name, is_warm ? "warm" : "cold", l.solver.name);
+        status = run_solver(row, &l, is_warm ? "warm" : "cold", journal, cells, error);
     }
     if (status == PL_OK) {
         *result = describe(row, problem, cold, cells);
@@ -385,34 +410,50 @@ static json_t *failed_problem(const pl_benchmark_problem *row, const char *messa
                      pl_json_text(message, strlen(message)), "cells");
 }
 
-static pl_status run_problem(const pl_benchmark_problem *row, json_t *problems, pl_error *error)
+static pl_status run_problem(const pl_benchmark_problem *row, pl_journal *journal, json_t *problems,
+                             pl_error *error)
 {
     pe_contact_problem *problem = NULL;
-    json_t *result = NULL;
+    char key[KEY_SIZE];
     pl_error failure = {.message = ""};
-    pl_status status = PL_OK;
+    pl_status status = key_of(row, NULL, NULL, key, error);
+    json_t *result = status == PL_OK ? pl_journal_take(journal, key) : NULL;
+    if (status != PL_OK || result != NULL) {
+        return status != PL_OK || json_array_append_new(problems, result) == 0
+                   ? status
+                   : pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
     fprintf(stderr, "%s: capturing\n", row->name);
     if (pl_benchmark_capture(row, &problem, &failure) == PL_OK) {
-        status = pl_benchmark_solve(row, problem, stderr, &result, error);
+        status = pl_benchmark_solve(row, problem, journal, &result, error);
         pe_contact_problem_destroy(problem);
     } else {
         result = failed_problem(row, failure.message);
     }
-    if (status == PL_OK && json_array_append_new(problems, result) != 0) {
+    if (status == PL_OK) {
+        status = pl_journal_add(journal, key, result, error);
+    }
+    if (status == PL_OK && json_array_append(problems, result) != 0) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory");
     }
+    json_decref(result);
     return status;
+}
+
+char *pl_benchmark_path(const char *directory, const char *suffix)
+{
+    char *path = NULL;
+    return asprintf(&path, "%s/solver-benchmark.%s", directory, suffix) < 0 ? NULL : path;
 }
 
 /* Writes DIRECTORY/solver-benchmark.SUFFIX, and frees `text`. */
 static pl_status write_text(const char *directory, const char *suffix, char *text, pl_error *error)
 {
-    char *path = malloc(strlen(directory) + 64);
+    char *path = pl_benchmark_path(directory, suffix);
     pl_status status = PL_OK;
     if (path == NULL || text == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory for the benchmark's report");
     } else {
-        sprintf(path, "%s/solver-benchmark.%s", directory, suffix);
         status = pl_write_text(path, text, strlen(text), error);
     }
     free(path);
@@ -438,7 +479,7 @@ static pl_status write_all(const char *directory, const json_t *result, pl_error
 }
 
 pl_status pl_benchmark_run(const pl_benchmark_problem *entries, int count, const char *directory,
-                           int argc, char *const *argv, pl_error *error)
+                           pl_journal *journal, int argc, char *const *argv, pl_error *error)
 {
     json_t *result = pl_provenance(argc, argv);
     json_t *problems = json_array();
@@ -446,7 +487,7 @@ pl_status pl_benchmark_run(const pl_benchmark_problem *entries, int count, const
     pl_timestamp(started);
     pl_status status = pl_make_directories(directory, error);
     for (int i = 0; i < count && status == PL_OK; ++i) {
-        status = run_problem(&entries[i], problems, error);
+        status = run_problem(&entries[i], journal, problems, error);
     }
     int failed = json_object_set_new(result, "schema", json_string("plumb.solver_benchmark/1"));
     failed |= json_object_set_new(result, "started", json_string(started));

@@ -5,6 +5,7 @@
 
 #include "plumb/base.h"
 #include "plumb/contact_problem.h"
+#include "results/journal.h"
 
 #include <jansson.h>
 
@@ -52,11 +53,14 @@ pl_status pl_benchmark_capture(const pl_benchmark_problem *entry, pe_contact_pro
 /* Residuals to reach, m/s, from the largest to the smallest. */
 extern const double pl_benchmark_levels[PL_BENCHMARK_LEVELS];
 
-/* Runs the benchmark over `entries`. Prints the summary on standard output and progress on standard
+/* DIRECTORY/solver-benchmark.SUFFIX: malloc'd; NULL when out of memory. */
+char *pl_benchmark_path(const char *directory, const char *suffix);
+
+/* Runs the benchmark over `entries`, but for what the journal (NULL: none) has. Prints the summary on standard output and progress on standard
  * error, and writes solver-benchmark.json, .csv and .md into `directory`, which is made. The
  * command line is recorded. */
 pl_status pl_benchmark_run(const pl_benchmark_problem *entries, int count, const char *directory,
-                           int argc, char *const *argv, pl_error *error);
+                           pl_journal *journal, int argc, char *const *argv, pl_error *error);
 
 /* ---- Reports ---- */
 

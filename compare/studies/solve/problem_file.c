@@ -383,14 +383,18 @@ int pl_capture_largest(pe_contact_problem *const *problems, int count)
     return largest;
 }
 
-/* The path with its "{}" replaced by the number, malloc'd. */
-static char *numbered_path(const char *path, const char *braces, int number)
+char *pl_capture_path(const char *path, int number)
 {
-    char *text = malloc(strlen(path) + 16);
-    if (text != NULL) {
-        sprintf(text, "%.*s%d%s", (int)(braces - path), path, number, braces + 2);
+    const char *braces = path == NULL ? NULL : strstr(path, "{}");
+    char *text = NULL;
+    if (path == NULL) {
+        return NULL;
     }
-    return text;
+    return (braces == NULL ? asprintf(&text, "%s", path)
+                           : asprintf(&text, "%.*s%d%s", (int)(braces - path), path, number,
+                                      braces + 2)) < 0
+               ? NULL
+               : text;
 }
 
 static pl_status write_island(const pl_capture_target *target, const char *path,
@@ -420,7 +424,7 @@ pl_status pl_capture_write(void *user, pe_contact_problem **problems, int count,
         status = write_island(target, target->path, problems[largest], largest + 1, count, error);
     }
     for (int i = 0; i < count && braces != NULL && status == PL_OK; ++i) {
-        char *path = numbered_path(target->path, braces, i + 1);
+        char *path = pl_capture_path(target->path, i + 1);
         status = path == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
                               : write_island(target, path, problems[i], i + 1, count, error);
         free(path);

@@ -53,6 +53,10 @@ typedef struct pl_capture_target {
 /* Parses STEP:FILE; false for anything else. `path` is borrowed from `text`. */
 bool pl_capture_parse(const char *text, long *step, const char **path);
 
+/* The path of that island, from 1, malloc'd: its "{}" is replaced by the number. NULL for a NULL path
+ * and when out of memory. */
+char *pl_capture_path(const char *path, int number);
+
 /* Writes the island with the most contact points to the target's path; or, where the path has a
  * "{}", every island to its own file, numbered from 1 in the engine's order. PL_FAILED: there are
  * no contacts. It serves as a pl_capture's `take`, with a pl_capture_target as `user`, and destroys

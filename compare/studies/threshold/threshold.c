@@ -201,6 +201,7 @@ static pl_status run_round(study *s, bool *any, int *signal_number, pl_error *er
                                             .jobs = s->def->jobs,
                                             .limits = s->def->limits,
                                             .provenance = s->def->provenance,
+                                            .journal = s->def->journal,
                                             .user = s,
                                             .skip = skip,
                                             .keep = keep};

@@ -59,7 +59,8 @@ typedef struct pl_threshold_search_def {
     const pl_plan *plan; /* cases of the catalogue with a threshold */
     int jobs;            /* >= 1 */
     pl_limits limits;
-    json_t *provenance; /* pl_provenance */
+    json_t *provenance;  /* pl_provenance */
+    pl_journal *journal; /* of the trials; NULL: none */
     FILE *progress;     /* NULL: no progress is shown */
 } pl_threshold_search_def;
 

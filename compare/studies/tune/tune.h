@@ -18,6 +18,7 @@ typedef struct pl_tune_def {
     int jobs;
     pl_limits limits;
     json_t *provenance;
+    pl_journal *journal; /* of the runs; NULL: none */
     FILE *progress; /* NULL: no progress is shown */
 } pl_tune_def;
 

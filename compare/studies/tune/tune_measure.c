@@ -307,6 +307,7 @@ pl_status pl_measure(const pl_measure_def *def, pl_readings *readings, long *run
                                             .jobs = def->jobs,
                                             .limits = def->limits,
                                             .provenance = def->provenance,
+                                            .journal = def->journal,
                                             .user = &g,
                                             .skip = skip,
                                             .keep = keep};

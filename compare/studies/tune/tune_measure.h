@@ -89,6 +89,7 @@ typedef struct pl_measure_def {
     int jobs;
     pl_limits limits;
     json_t *provenance;
+    pl_journal *journal; /* NULL: none */
     pl_progress *bar; /* counts the runs; NULL: none */
 } pl_measure_def;
 

@@ -1,0 +1,93 @@
+/* Reads any bytes as a file of results. They are accepted, or refused with the line and column of the
+ * fault. What is accepted is the same after a store took it over and added a result, is summarised
+ * into rows that read back the same from a baseline, and is analysed and printed as a report. */
+#define _GNU_SOURCE
+
+#include "fuzz_rows.h"
+
+#include "gate/gather.h"
+#include "report/report.h"
+#include "report/summary.h"
+#include "report/sweep_report.h"
+#include "results/store.h"
+
+#include <jansson.h>
+
+static const char added[] = "{\"schema\":\"plumb.result/1\",\"run\":\"0123456789abcdef\"}";
+
+/* A store keeps the lines that it found, and has one more after it added one. */
+static void resume(const char *path, json_t *results)
+{
+    pl_error error = {.message = ""};
+    pl_store *store = NULL;
+    json_t *again = NULL, *result = json_loads(added, 0, NULL);
+    fuzz_check(pl_store_open_file(path, "plumb.result/1", PL_STORE_RESUME, "", &store, &error) ==
+                   PL_OK,
+               "a store takes over what can be read");
+    fuzz_check(json_equal(pl_store_results(store), results), "a store has what was read");
+    fuzz_check(pl_store_append(store, result, &error) == PL_OK, "a store takes a result");
+    pl_store_close(store);
+    fuzz_check(pl_results_read(path, &again, NULL, &error) == PL_OK, "its file can be read");
+    json_array_append(results, result);
+    fuzz_check(json_equal(again, results), "its file has what was there, and the result");
+    json_array_remove(results, json_array_size(results) - 1);
+    json_decref(again);
+    json_decref(result);
+}
+
+static void report(json_t *results, FILE *nowhere)
+{
+    pl_error error = {.message = ""};
+    pl_report built;
+    pl_sweep_analysis analysis;
+    pl_text_buffer text = {0};
+    const pl_status status = pl_report_build(results, &built, &error);
+    fuzz_check(status == PL_OK || error.message[0] != '\0', "a refused report has a message");
+    pl_report_free(&built);
+    if (status != PL_OK) {
+        return;
+    }
+    pl_report_csv(results, &text);
+    pl_report_runs_csv(results, &text);
+    pl_report_print_table(nowhere, results, true, 100);
+    if (pl_sweep_analyse(results, &analysis, &error) == PL_OK) {
+        pl_sweep_report_print(nowhere, &analysis);
+        json_decref(pl_sweep_report_json(&analysis));
+    }
+    pl_sweep_analysis_free(&analysis);
+    pl_text_free(&text);
+}
+
+static void summarise(json_t *results)
+{
+    pl_error error = {.message = ""};
+    pl_gate_rows rows = {.count = 0};
+    const pl_gate_tolerances tolerances = pl_gate_tolerances_default();
+    const pl_gate_file file = {.path = "input", .results = results};
+    if (pl_gate_gather(&file, 1, &tolerances, &rows, &error) == PL_OK) {
+        fuzz_rows_survive(&rows);
+    } else {
+        fuzz_check(error.message[0] != '\0', "refused rows have a message");
+    }
+    pl_gate_rows_free(&rows);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static FILE *nowhere;
+    pl_error error = {.message = ""};
+    char path[FUZZ_PATH_SIZE];
+    json_t *results = NULL;
+    const int file = fuzz_file(data, size, path);
+    nowhere = nowhere == NULL ? fopen("/dev/null", "we") : nowhere;
+    if (pl_results_read(path, &results, NULL, &error) == PL_OK) {
+        report(results, nowhere);
+        summarise(results);
+        resume(path, results);
+        json_decref(results);
+    } else {
+        fuzz_check(fuzz_has_place(error.message, path), "a refusal has a line and a column");
+    }
+    close(file);
+    return 0;
+}
