@@ -2,6 +2,7 @@
 #include "check.h"
 #include "random_pose.h"
 #include "solid_forms.h"
+#include "step_laws.h"
 #include "world_for_tests.h"
 
 #include <string.h>
@@ -214,13 +215,6 @@ static pe_body_def any_body(check_random *random)
     def.velocity = any_vector(random, 1e12);
     def.angular_velocity = any_vector(random, 1e12);
     return def;
-}
-
-static bool is_finite_state(const pe_body_state *s)
-{
-    return pe_is_finite(s->position) && pe_is_finite(s->velocity) &&
-           pe_is_finite(s->angular_velocity) && isfinite(s->orientation.w) &&
-           isfinite(s->orientation.x) && isfinite(s->orientation.y) && isfinite(s->orientation.z);
 }
 
 /* Worlds of absurd numbers, all in range: a step ends with finite states or is undone. */

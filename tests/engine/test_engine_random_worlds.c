@@ -1,4 +1,6 @@
-/* The laws of a step in random worlds: in a few hundred, or in as many as the argument says. */
+/* The laws of a step in random worlds, and of the public interface in random sequences of its calls: in a few
+ * hundred, or in as many as the argument says. */
+#include "random_calls.h"
 #include "random_worlds.h"
 
 #include "check.h"
@@ -27,6 +29,34 @@ static void test_unsolved_island_keeps_finite_state(void **state)
     assert_int_equal(found.not_finite, 0);
 }
 
+enum { CALL_BYTES = 600 };
+
+static void test_random_calls_obey_the_laws(void **state)
+{
+    (void)state;
+    random_calls_found found = {.broken = ""};
+    for (int seed = 1; seed <= worlds; ++seed) {
+        check_random random = {(uint64_t)seed * 0x9e3779b97f4a7c15u | 1};
+        uint8_t bytes[CALL_BYTES];
+        for (int i = 0; i < CALL_BYTES; ++i) {
+            bytes[i] = (uint8_t)check_uniform(&random, 0, 256);
+        }
+        for (int profile = PE_PROFILE_DEFAULT; profile <= PE_PROFILE_FAST; ++profile) {
+            random_calls_run(bytes, CALL_BYTES, (pe_profile)profile, &found);
+            if (found.broken[0] != '\0') {
+                fail_msg("seed %d, profile %d: %s", seed, profile, found.broken);
+            }
+        }
+    }
+    print_message("%d calls, %d refused; %d steps, %d undone, %d with sleep, %d with overlap; %d bodies "
+                  "destroyed, %d contacts\n",
+                  found.calls, found.refused, found.steps, found.undone, found.slept,
+                  found.overlapping, found.destroyed, found.contacts);
+    assert_true(found.steps > 10 * worlds && found.contacts > 10 * worlds);
+    assert_true(found.refused > worlds && found.undone > 0 && found.destroyed > worlds);
+    assert_true(found.overlapping > worlds);
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1) {
@@ -35,6 +65,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_steps_of_random_worlds_are_bounded),
         cmocka_unit_test(test_unsolved_island_keeps_finite_state),
+        cmocka_unit_test(test_random_calls_obey_the_laws),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

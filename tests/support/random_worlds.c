@@ -4,14 +4,12 @@
 #include "model/world.h"
 #include "random_pose.h"
 #include "solid_forms.h"
+#include "step_laws.h"
 #include "world_for_tests.h"
 
 #include <stdio.h>
 
 enum { MOST_BODIES = 10, STEPS = 3, MOST_PRINTED = 10 };
-
-/* Of its size that a body may move beyond its speed; and rounding. */
-static const double PART = 0.25 * (1 + 1e-9);
 
 /* Of its energy that a world may gain. */
 static const double GAIN = 0.02;
@@ -204,55 +202,16 @@ static void report(trial *t, int step, int body, const char *what, double found)
     }
 }
 
-static bool is_finite_state(const pe_body_state *s)
-{
-    const pe_quat q = s->orientation;
-    return pe_is_finite(s->position) && pe_is_finite(s->velocity) &&
-           pe_is_finite(s->angular_velocity) && isfinite(q.w) && isfinite(q.x) && isfinite(q.y) &&
-           isfinite(q.z);
-}
-
-/* The angle from a to b, rad. */
-static double angle_between(pe_quat a, pe_quat b)
-{
-    pe_quat d = pe_quat_product(b, pe_quat_conjugate(a));
-    return 2 * atan2(sqrt(d.x * d.x + d.y * d.y + d.z * d.z), fabs(d.w));
-}
-
-static pe_vec3 centre_of(const trial *t, int i, const pe_body_state *s)
-{
-    const pe_geometry *g = pe_bodies(t->world)[t->ids[i].index].geometry;
-    pe_mat3 r = pe_matrix_of(s->orientation);
-    return g != NULL ? pe_add(s->position, pe_rotate(&r, g->frame.centre)) : s->position;
-}
-
-static double kinetic_energy(const trial *t, int i, const pe_body_state *s)
-{
-    const pe_mass *m = &pe_masses(t->world)[t->ids[i].index];
-    const pe_geometry *g = pe_bodies(t->world)[t->ids[i].index].geometry;
-    pe_quat q = g != NULL ? pe_quat_product(s->orientation, g->frame.orientation) : s->orientation;
-    pe_mat3 r = pe_matrix_of(q);
-    pe_vec3 w = pe_unrotate(&r, s->angular_velocity);
-    return 0.5 * (m->mass * pe_dot(s->velocity, s->velocity) + pe_dot(pe_mul(m->inertia, w), w));
-}
-
-/* How far body i moved beyond its speed, and how far a point at its bounding radius by rotation, in
- * units of its least extent. */
+/* The law of a body's motion. */
 static void check_motion(trial *t, int step, int i, random_worlds_found *w, bool *far)
 {
-    const pe_body *b = &pe_bodies(t->world)[t->ids[i].index];
-    const pe_body_state *a = &t->before[i], *e = &t->after[i];
-    double h = t->dt, size = 2 * b->size;
-    double speed = pe_max(pe_length(a->velocity), pe_length(e->velocity));
-    double spin = pe_max(pe_length(a->angular_velocity), pe_length(e->angular_velocity));
-    double path = pe_length(pe_sub(centre_of(t, i, e), centre_of(t, i, a)));
-    double moved = (path - h * (speed + h * pe_length(t->gravity))) / size;
-    double angle = angle_between(a->orientation, e->orientation) - h * spin * (1 + h * spin);
-    double rotated = (b->bounding_radius * angle - h * speed) / size;
-    w->moved = pe_max(w->moved, moved);
-    w->rotated = pe_max(w->rotated, rotated);
-    if (moved > PART || rotated > PART) {
-        report(t, step, i, moved > PART ? "moved by" : "rotated by", pe_max(moved, rotated));
+    unexplained_motion found = unexplained_motion_of(t->world, t->ids[i], &t->before[i],
+                                                     &t->after[i], t->dt, pe_length(t->gravity));
+    w->moved = pe_max(w->moved, found.moved);
+    w->rotated = pe_max(w->rotated, found.rotated);
+    if (found.moved > MOST_UNEXPLAINED || found.rotated > MOST_UNEXPLAINED) {
+        report(t, step, i, found.moved > MOST_UNEXPLAINED ? "moved by" : "rotated by",
+               pe_max(found.moved, found.rotated));
         *far = true;
     }
 }
@@ -263,9 +222,10 @@ static double gain_of(const trial *t)
     double before = 0, after = 0, work = 0;
     for (int i = 0; i < t->count; ++i) {
         if (!t->defs[i].is_static) {
-            before += kinetic_energy(t, i, &t->before[i]);
-            after += kinetic_energy(t, i, &t->after[i]);
-            pe_vec3 d = pe_sub(centre_of(t, i, &t->after[i]), centre_of(t, i, &t->before[i]));
+            before += kinetic_energy_of(t->world, t->ids[i], &t->before[i]);
+            after += kinetic_energy_of(t->world, t->ids[i], &t->after[i]);
+            pe_vec3 d = pe_sub(centre_of(t->world, t->ids[i], &t->after[i]),
+                               centre_of(t->world, t->ids[i], &t->before[i]));
             work += pe_max(0, t->defs[i].mass * pe_dot(t->gravity, d));
         }
     }

@@ -24,15 +24,9 @@ typedef struct random_worlds_found {
 } random_worlds_found;
 
 /* Makes the worlds of these seeds, on every profile, and takes some steps. Where a law does not hold,
- * prints the seed, the profile, what was found, and the world as it was before that step. The laws
- * of each step of dt and each body are
- *
- *   |x' - x|     <= dt max(|v|, |v'|) + dt^2 |g| + size/4,
- *   R |rotation| <= dt (v + R w + R dt w^2) + size/4,    v = max(|v|, |v'|), w = max(|w|, |w'|),
- *
- * with R the bounding radius and `size` the least extent: twice the least half extent, or radius.
- * dt^2 w^2 is what rotation without a torque may add. All numbers are finite. The kinetic energy of
- * all bodies grows by no more than gravity gives to those that fall, and 2 % of both. */
+ * prints the seed, the profile, what was found, and the world as it was before that step. The law of
+ * each body's motion is that of step_laws.h. All numbers are finite. The kinetic energy of all bodies
+ * grows by no more than gravity gives to those that fall, and 2 % of both. */
 random_worlds_found random_worlds_run(uint64_t first, int count);
 
 #endif

@@ -415,7 +415,7 @@ typedef struct pe_contact {
     pe_vec3 impulse;   /* N s, world, on B, summed over the interval */
     double begin;      /* s since the start of the step */
     double end;        /* s; equal to begin: an impact, in an instant */
-    int order;         /* of the solves within the step: those of lower order acted before */
+    int order;         /* of the solves of a body within the step: those of lower order acted before */
     pe_contact_place acts; /* where the impulse acted */
 
     /* Where the contact law holds for the velocities at the interval's end: the same place, or, if
@@ -423,8 +423,9 @@ typedef struct pe_contact {
     pe_contact_place holds;
 } pe_contact;
 
-/* Copies up to `capacity` contact points of the last step, none after a step that failed, in a fixed order in which `order` never
- * decreases, and returns how many there are. `contacts` may be NULL when the capacity is 0. */
+/* Copies up to `capacity` contact points of the last step, none after a step that failed, and returns
+ * how many there are. They are in a fixed order, in which the `order` of the contacts of a dynamic body
+ * never decreases. `contacts` may be NULL when the capacity is 0. */
 int pe_world_get_contacts(const pe_world *world, pe_contact *contacts, int capacity);
 
 #ifdef __cplusplus

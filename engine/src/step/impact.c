@@ -184,9 +184,12 @@ static pe_status find_contacts(substeps *s)
 {
     choose(s, ALL);
     s->searches_left -= 1;
-    pe_status status =
-        pe_contacts_find(s->world, &s->step->rules, &s->pairs, NULL, s->step->dt, s->step->error);
-    count_points(s);
+    pe_status status = pe_check_bodies(s->step, s->island.bodies, body_count(s));
+    if (status == PE_OK) {
+        status = pe_contacts_find(s->world, &s->step->rules, &s->pairs, NULL, s->step->dt,
+                                  s->step->error);
+        count_points(s);
+    }
     return status;
 }
 

@@ -147,21 +147,34 @@ static void check_bodies(void *context, int worker, int begin, int end)
     }
 }
 
+static pe_status refuse_motion(const pe_step *step, int slot, const char *what, pe_vec3 found)
+{
+    return pe_fail(step->error, PE_NOT_FINITE,
+                   "body (%d, %u): expected a finite %s within 1e15 m, 1e30 m/s or "
+                   "1e30 rad/s after a step of %g s, found (%g, %g, %g)",
+                   slot, pe_bodies(step->world)[slot].generation, what, step->dt, found.x, found.y,
+                   found.z);
+}
+
 pe_status pe_check_motion(const pe_step *step)
 {
     const pe_world *world = step->world;
     check c = {.step = step};
     pe_pool_run(world->pool, pe_awake_count(world), PE_BODY_GRAIN, check_bodies, &c);
-    if (c.failed) {
-        const char *what;
+    const char *what;
+    pe_vec3 found;
+    const int slot = c.failed ? find_fault(step, 0, pe_awake_count(world), &what, &found) : -1;
+    return slot < 0 ? PE_OK : refuse_motion(step, slot, what, found);
+}
+
+pe_status pe_check_bodies(const pe_step *step, const int *slots, int count)
+{
+    for (int i = 0; i < count; ++i) {
         pe_vec3 found;
-        const int slot = find_fault(step, 0, pe_awake_count(world), &what, &found);
-        if (slot >= 0) {
-            return pe_fail(step->error, PE_NOT_FINITE,
-                           "body (%d, %u): expected a finite %s within 1e15 m, 1e30 m/s or "
-                           "1e30 rad/s after a step of %g s, found (%g, %g, %g)",
-                           slot, pe_bodies(world)[slot].generation, what, step->dt, found.x,
-                           found.y, found.z);
+        const char *what = fault_of(&pe_poses(step->world)[slots[i]],
+                                    &pe_twists(step->world)[slots[i]], &found);
+        if (what != NULL) {
+            return refuse_motion(step, slots[i], what, found);
         }
     }
     return PE_OK;

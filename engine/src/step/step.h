@@ -279,6 +279,9 @@ void pe_bound_energy(pe_step *step);
  * correction may have changed is looked at. */
 pe_status pe_check_motion(const pe_step *step);
 
+/* The same of these bodies, before collision within the step. */
+pe_status pe_check_bodies(const pe_step *step, const int *slots, int count);
+
 /* Takes back what a body, or by rotation its farthest point, has moved in the step beyond
  *
  *   dt (max(|v|, |v'|) + |v* - v|) + a quarter of the least extent,
