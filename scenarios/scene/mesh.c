@@ -10,11 +10,9 @@
  * an outermost surface encloses the solid, one within it is a cavity and faces inward, one within
  * that encloses solid again. So a mesh that is inside out is turned round as a whole. */
 #include "mesh.h"
-#include "plumb/vec.h"
+#include "mesh_triangle.h"
 #include "polyhedron.h"
 
-#include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,31 +44,12 @@ static bool check_indices(const int (*triangles)[3], int triangle_count, int ver
     return true;
 }
 
-/* Whether the triangle's height on its longest side is more than the rounding of its corners. */
-static bool has_area(const double (*vertices)[3], const int corner[3])
-{
-    double largest = 0, longest = 0;
-    pl_vec point[3];
-    for (int k = 0; k < 3; ++k) {
-        point[k] = pl_vec_of(vertices[corner[k]]);
-        for (int axis = 0; axis < 3; ++axis) {
-            largest = fmax(largest, fabs(vertices[corner[k]][axis]));
-        }
-    }
-    for (int k = 0; k < 3; ++k) {
-        longest = fmax(longest, pl_vec_length(pl_vec_sub(point[(k + 1) % 3], point[k])));
-    }
-    const double two_areas =
-        pl_vec_length(pl_vec_cross(pl_vec_sub(point[1], point[0]), pl_vec_sub(point[2], point[0])));
-    return two_areas > 4 * DBL_EPSILON * largest * longest;
-}
-
 static bool check_areas(const double (*vertices)[3], const int (*triangles)[3], int triangle_count,
                         pl_diagnostic *diagnostic)
 {
     for (int t = 0; t < triangle_count; ++t) {
         const int *corner = triangles[t];
-        if (!has_area(vertices, corner)) {
+        if (!pl_mesh_has_area(vertices, corner)) {
             pl_path_push_key(&diagnostic->path, "triangles");
             pl_path_push_index(&diagnostic->path, t);
             return pl_diagnose(diagnostic,
@@ -80,6 +59,22 @@ static bool check_areas(const double (*vertices)[3], const int (*triangles)[3], 
         }
     }
     return true;
+}
+
+/* Of surfaces that are turned outward: reports those that cross, and turns cavities inward. */
+static bool check_places(const double (*vertices)[3], int vertex_count, int (*triangles)[3],
+                         int triangle_count, const int *surface, int surface_count,
+                         pl_diagnostic *diagnostic)
+{
+    pl_mesh_tree tree;
+    if (!pl_mesh_tree_create(vertices, (const int(*)[3])triangles, triangle_count, &tree)) {
+        return pl_diagnose_no_memory(diagnostic);
+    }
+    const bool right = pl_mesh_check_crossing(&tree, triangle_count, diagnostic) &&
+                       pl_mesh_turn_cavities(&tree, vertex_count, triangles, triangle_count,
+                                             surface, surface_count, diagnostic);
+    pl_mesh_tree_free(&tree);
+    return right;
 }
 
 /* Turns the triangles so that the solid is behind them, or reports an error. */
@@ -105,10 +100,8 @@ static bool face_outward(const double (*vertices)[3], int vertex_count, int (*tr
     right = right &&
             pl_mesh_turn_outward(vertices, triangles, triangle_count, surface, surface_count,
                                  diagnostic) &&
-            pl_mesh_check_crossing(vertices, vertex_count, (const int(*)[3])triangles,
-                                   triangle_count, diagnostic) &&
-            pl_mesh_turn_cavities(vertices, triangles, triangle_count, surface, surface_count,
-                                  diagnostic);
+            check_places(vertices, vertex_count, triangles, triangle_count, surface, surface_count,
+                         diagnostic);
     free(surface);
     return right;
 }

@@ -4,6 +4,7 @@
 #define PLUMB_MESH_H
 
 #include "base/diagnostic.h"
+#include "mesh_tree.h"
 #include "plumb/scene.h"
 
 /* ---- Edges, direction and components: mesh_edges.c ---- */
@@ -28,12 +29,11 @@ bool pl_mesh_is_closed(const pl_polyhedron *polyhedron);
 /* ---- Crossing: mesh_crossing.c ---- */
 
 /* Reports at "triangles"[t] the first two triangles that cross: those that go through each
- * other, or lie in one plane, face the same way and overlap, by more than 1e-9 of the surface's
- * size. Triangles with a common edge never do. The surface must be closed, each component of
- * positive volume. O(n log n) where triangles are small next to the whole; up to O(n^2) where the
- * boxes around them overlap, as those of a fan of very many do. */
-bool pl_mesh_check_crossing(const double (*vertices)[3], int vertex_count,
-                            const int (*triangles)[3], int triangle_count,
+ * other, or lie in one plane, face the same way and overlap, by more than the tolerance.
+ * Triangles with a common edge never do. The surface must be closed, each component of positive
+ * volume. O(n log n) where triangles are small next to the whole; up to O(n^2) where the boxes
+ * around them overlap, as those of a fan of very many do, but within PL_MAX_NEAR_TRIANGLES. */
+bool pl_mesh_check_crossing(const pl_mesh_tree *tree, int triangle_count,
                             pl_diagnostic *diagnostic);
 
 /* ---- Nesting: mesh_nesting.c ---- */
@@ -42,13 +42,14 @@ bool pl_mesh_check_crossing(const double (*vertices)[3], int vertex_count,
 enum { PL_MAX_SURFACES = 4096 };
 
 /* Turns each of `surface_count` components to its outer side, and reports one that encloses
- * no volume. surface[t] is the number of t's component. */
+ * no volume. surface[t] is the number of t's component, from 0 by lowest triangle. */
 bool pl_mesh_turn_outward(const double (*vertices)[3], int (*triangles)[3], int triangle_count,
                           const int *surface, int surface_count, pl_diagnostic *diagnostic);
 
-/* Of surfaces that are turned outward and do not cross: turns round those that lie within an odd
- * number of others. */
-bool pl_mesh_turn_cavities(const double (*vertices)[3], int (*triangles)[3], int triangle_count,
-                           const int *surface, int surface_count, pl_diagnostic *diagnostic);
+/* Of surfaces whose triangles do not cross: turns round those that lie within an odd number of
+ * others. Reports surfaces that are partly in each other. `triangles` are those of the tree. */
+bool pl_mesh_turn_cavities(const pl_mesh_tree *tree, int vertex_count, int (*triangles)[3],
+                           int triangle_count, const int *surface, int surface_count,
+                           pl_diagnostic *diagnostic);
 
 #endif

@@ -1,86 +1,19 @@
-/* A point is inside a closed surface when the solid angles of its triangles add up to 4 pi, outside
- * when to 0: van Oosterom and Strackee, The solid angle of a plane triangle, 1983. Where surfaces
- * touch, a point of one may lie on the other: then another point of it decides. */
+/* Whether a surface lies within another: a vertex or the middle of a triangle is inside when a ray
+ * from it along z goes through the other surface an odd number of times. A ray that meets an edge is
+ * moved in thought by less than any number along x and y, which decides every case alike; the signs
+ * are exact. Surfaces may touch, so that points near the other one do not count. All others must
+ * agree: that finds surfaces that cross along edges alone, too. */
 #include "mesh.h"
 
+#include "base/exact.h"
 #include "base/number.h"
-#include "plumb/vec.h"
+#include "mesh_tree.h"
+#include "mesh_triangle.h"
 #include "polyhedron.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* The triangles of component c are order[first[c] .. first[c + 1]), lowest first. */
-typedef struct surfaces {
-    const double (*vertices)[3];
-    int (*triangles)[3]; /* in that order, copied */
-    int *first, *order;
-    double (*low)[3], (*high)[3]; /* boxes */
-    int count;
-} surfaces;
-
-static void free_surfaces(surfaces *s)
-{
-    free(s->triangles);
-    free(s->first);
-    free(s->order);
-    free(s->low);
-    free(s->high);
-}
-
-static void sort_triangles(surfaces *s, const int (*triangles)[3], int triangle_count,
-                           const int *surface)
-{
-    for (int t = 0; t < triangle_count; ++t) {
-        s->first[surface[t] + 2]++;
-    }
-    for (int c = 0; c < s->count; ++c) {
-        s->first[c + 2] += s->first[c + 1];
-    }
-    for (int t = 0; t < triangle_count; ++t) {
-        const int place = s->first[surface[t] + 1]++;
-        s->order[place] = t;
-        memcpy(s->triangles[place], triangles[t], sizeof triangles[t]);
-    }
-}
-
-static void find_boxes(surfaces *s)
-{
-    for (int c = 0; c < s->count; ++c) {
-        for (int i = 3 * s->first[c]; i < 3 * s->first[c + 1]; ++i) {
-            const double *vertex = s->vertices[s->triangles[i / 3][i % 3]];
-            const bool is_first = i == 3 * s->first[c];
-            for (int k = 0; k < 3; ++k) {
-                s->low[c][k] = is_first ? vertex[k] : fmin(s->low[c][k], vertex[k]);
-                s->high[c][k] = is_first ? vertex[k] : fmax(s->high[c][k], vertex[k]);
-            }
-        }
-    }
-}
-
-static bool create_surfaces(surfaces *s, const double (*vertices)[3], const int (*triangles)[3],
-                            int triangle_count, const int *surface, int surface_count,
-                            pl_diagnostic *diagnostic)
-{
-    const size_t count = (size_t)surface_count;
-    *s = (surfaces){.vertices = vertices,
-                    .triangles = malloc((size_t)triangle_count * sizeof *s->triangles),
-                    .first = calloc(count + 2, sizeof *s->first),
-                    .order = malloc((size_t)triangle_count * sizeof *s->order),
-                    .low = malloc(count * sizeof *s->low),
-                    .high = malloc(count * sizeof *s->high),
-                    .count = surface_count};
-    if (s->triangles == NULL || s->first == NULL || s->order == NULL || s->low == NULL ||
-        s->high == NULL) {
-        free_surfaces(s);
-        pl_diagnose_no_memory(diagnostic);
-        return false;
-    }
-    sort_triangles(s, triangles, triangle_count, surface);
-    find_boxes(s);
-    return true;
-}
 
 static void turn(int triangle[3])
 {
@@ -89,132 +22,330 @@ static void turn(int triangle[3])
     triangle[2] = swapped;
 }
 
+/* ---- Outer sides ---- */
+
+static bool check_volume(const pl_surface_sums *sums, int first, pl_diagnostic *diagnostic)
+{
+    if (pl_surface_is_thick(sums)) {
+        return true;
+    }
+    char found[PL_NUMBER_SIZE];
+    pl_path_push_key(&diagnostic->path, "triangles");
+    pl_path_push_index(&diagnostic->path, first);
+    return pl_diagnose(
+        diagnostic,
+        "expected a surface that encloses a volume, found %s m^3 in that of triangle %d",
+        pl_number_text(fabs(pl_exact_value(&sums->six_volumes)) / 6, found), first);
+}
+
 bool pl_mesh_turn_outward(const double (*vertices)[3], int (*triangles)[3], int triangle_count,
                           const int *surface, int surface_count, pl_diagnostic *diagnostic)
 {
-    surfaces s;
-    if (!create_surfaces(&s, vertices, (const int(*)[3])triangles, triangle_count, surface,
-                         surface_count, diagnostic)) {
-        return false;
+    pl_surface_sums *sums = calloc((size_t)surface_count, sizeof *sums);
+    if (sums == NULL) {
+        return pl_diagnose_no_memory(diagnostic);
+    }
+    for (int t = 0; t < triangle_count; ++t) {
+        pl_surface_add(&sums[surface[t]], vertices, triangles[t]);
     }
     bool right = true;
-    for (int c = 0; c < s.count && right; ++c) {
-        const int begin = s.first[c], end = s.first[c + 1];
-        double middle[3], six_volumes, two_areas, largest = 0;
-        for (int k = 0; k < 3; ++k) {
-            middle[k] = s.low[c][k] + (s.high[c][k] - s.low[c][k]) / 2;
-            largest = fmax(largest, fmax(-s.low[c][k], s.high[c][k]));
+    for (int t = 0, seen = 0; t < triangle_count && right; ++t) {
+        if (surface[t] == seen) { /* surfaces have numbers by their lowest triangle */
+            right = check_volume(&sums[seen++], t, diagnostic);
         }
-        pl_surface_volume(vertices, (const int(*)[3])s.triangles + begin, end - begin, middle,
-                          &six_volumes, &two_areas);
-        for (int i = begin; i < end && six_volumes < 0; ++i) {
-            turn(triangles[s.order[i]]);
-        }
-        if (!pl_surface_is_thick(fabs(six_volumes), two_areas, largest)) {
-            char found[PL_NUMBER_SIZE];
-            pl_path_push_key(&diagnostic->path, "triangles");
-            pl_path_push_index(&diagnostic->path, s.order[begin]);
-            right = pl_diagnose(diagnostic,
-                                "expected a surface that encloses a volume, found %s m^3 in that "
-                                "of triangle %d",
-                                pl_number_text(six_volumes / 6, found), s.order[begin]);
+        if (pl_exact_sign(&sums[surface[t]].six_volumes) < 0) {
+            turn(triangles[t]);
         }
     }
-    free_surfaces(&s);
+    free(sums);
     return right;
 }
 
-static pl_vec corner_from(const surfaces *s, int place, int k, pl_vec point)
+/* ---- Cavities ---- */
+
+/* What is found of a surface against each of the others. */
+typedef struct nesting {
+    const pl_mesh_tree *tree;
+    const int *surface; /* of each triangle */
+    int surface_count;
+    double tolerance;
+    bool *is_seen; /* by vertex: it was looked at */
+    /* By surface: */
+    int *begin, *order;           /* its triangles are order[begin[c] .. begin[c + 1]) */
+    double (*low)[3], (*high)[3]; /* its box, larger by the tolerance */
+    int *times;                   /* how often the ray goes through it */
+    bool *is_near;                /* the point is near it */
+    int *inside, *near;           /* points of the surface in question that are inside or near it */
+    int *met, met_count;          /* surfaces that the ray meets or the point is near */
+    long left;                    /* triangles that may still be met */
+} nesting;
+
+static bool is_between(const double point[3], const double low[3], const double high[3])
 {
-    return pl_vec_sub(pl_vec_of(s->vertices[s->triangles[place][k]]), point);
+    return low[0] <= point[0] && point[0] <= high[0] && low[1] <= point[1] && point[1] <= high[1] &&
+           low[2] <= point[2] && point[2] <= high[2];
 }
 
-/* How often surface c goes around the point: 1 inside, 0 outside, between on the surface. */
-static double winding(const surfaces *s, int c, pl_vec point)
+/* Whether the point is within the tolerance of the triangle, or near one of its corners. */
+static bool is_near_triangle(const pl_mesh_tree *tree, int t, const double point[3],
+                             double tolerance)
 {
-    const double two_pi = 6.28318530717958647692;
-    double sum = 0;
-    for (int i = s->first[c]; i < s->first[c + 1]; ++i) {
-        const pl_vec a = corner_from(s, i, 0, point), b = corner_from(s, i, 1, point);
-        const pl_vec d = corner_from(s, i, 2, point);
-        const double la = pl_vec_length(a), lb = pl_vec_length(b), ld = pl_vec_length(d);
-        const double volume = pl_vec_dot(a, pl_vec_cross(b, d));
-        sum += atan2(volume, la * lb * ld + pl_vec_dot(a, b) * ld + pl_vec_dot(b, d) * la +
-                                 pl_vec_dot(d, a) * lb);
-    }
-    return sum / two_pi;
-}
-
-static bool in_box(const surfaces *s, int c, pl_vec point)
-{
-    const double x[3] = {point.x, point.y, point.z};
-    bool inside = true;
+    double low[3], high[3];
+    pl_mesh_box(tree, t, low, high);
     for (int k = 0; k < 3; ++k) {
-        inside = inside && x[k] >= s->low[c][k] && x[k] <= s->high[c][k];
+        low[k] -= tolerance;
+        high[k] += tolerance;
     }
-    return inside;
+    if (!is_between(point, low, high)) {
+        return false;
+    }
+    const pl_mesh_triangle shape = pl_mesh_triangle_of(tree->vertices, tree->triangles[t]);
+    pl_vec normal = pl_mesh_normal(&shape);
+    normal = pl_vec_scale(normal, shape.facing / pl_vec_length(normal));
+    bool near = true;
+    for (int k = 0; k < 3 && near; ++k) {
+        const pl_vec arm = pl_vec_sub(pl_vec_of(point), pl_vec_of(shape.corner[k]));
+        const pl_vec inward = pl_vec_cross(normal, pl_mesh_edge(&shape, k, (k + 1) % 3));
+        near = pl_vec_dot(arm, inward) >= -tolerance * pl_vec_length(inward) &&
+               fabs(pl_vec_dot(arm, normal)) <= tolerance;
+    }
+    return near;
 }
 
-/* 1: surface c lies within surface d; 0: it does not; -1: they touch wherever it was looked. */
-static int lies_within(const surfaces *s, int c, int d)
+/* Whether the ray from the point along z goes through the triangle. */
+static bool is_below(const pl_mesh_tree *tree, int t, const double point[3])
 {
-    enum { MOST_TRIES = 64 };
-    const int begin = s->first[c], count = s->first[c + 1] - begin;
-    const int tries = count < MOST_TRIES ? count : MOST_TRIES;
-    for (int i = 0; i < tries; ++i) {
-        const int place = begin + (int)((long long)i * count / tries);
-        const pl_vec zero = {0, 0, 0};
-        pl_vec point =
-            pl_vec_add(pl_vec_add(corner_from(s, place, 0, zero), corner_from(s, place, 1, zero)),
-                       corner_from(s, place, 2, zero));
-        point = pl_vec_scale(point, 1.0 / 3);
-        if (!in_box(s, d, point)) {
-            return 0;
-        }
-        const double around = winding(s, d, point);
-        if (fabs(around - round(around)) < 1e-3) {
-            return around > 0.5 ? 1 : 0;
+    const double *corner[3];
+    for (int k = 0; k < 3; ++k) {
+        corner[k] = tree->vertices[tree->triangles[t][k]];
+    }
+    bool is_within = false; /* seen along z */
+    for (int k = 0; k < 3; ++k) {
+        const double *a = corner[k], *b = corner[(k + 1) % 3];
+        if ((a[1] > point[1]) != (b[1] > point[1])) {
+            const int side =
+                a[1] < b[1] ? pl_turn_about(2, a, b, point) : pl_turn_about(2, b, a, point);
+            is_within = is_within != (side > 0);
         }
     }
-    return -1;
+    return is_within && pl_turn_about(2, corner[0], corner[1], corner[2]) *
+                                pl_side_of_plane(corner[0], corner[1], corner[2], point) <
+                            0;
 }
 
-static bool turn_if_cavity(const surfaces *s, int c, int (*triangles)[3], pl_diagnostic *diagnostic)
+static void note(nesting *n, int surface)
 {
-    int depth = 0;
-    for (int d = 0; d < s->count; ++d) {
-        const int within = d == c ? 0 : lies_within(s, c, d);
-        if (within < 0) {
-            pl_path_push_key(&diagnostic->path, "triangles");
-            pl_path_push_index(&diagnostic->path, s->order[s->first[c]]);
-            return pl_diagnose(diagnostic,
-                               "expected surfaces apart or one in another, found those of "
-                               "triangles %d and %d in one place",
-                               s->order[s->first[c]], s->order[s->first[d]]);
-        }
-        depth += within;
+    if (n->times[surface] == 0 && !n->is_near[surface]) {
+        n->met[n->met_count++] = surface;
     }
-    for (int i = s->first[c]; i < s->first[c + 1] && depth % 2 == 1; ++i) {
-        turn(triangles[s->order[i]]);
+}
+
+/* Counts a point of surface c for each surface that it is inside of or near to. */
+static void add_point(nesting *n, int c, const double point[3])
+{
+    double low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+        low[k] = point[k] - n->tolerance;
+        high[k] = k == 2 ? (double)INFINITY : point[k] + n->tolerance;
+    }
+    pl_mesh_search search = pl_mesh_search_begin(n->tree, low, high);
+    n->met_count = 0;
+    for (int t = 0; (t = pl_mesh_search_next(&search)) >= 0 && n->left > 0; --n->left) {
+        const int other = n->surface[t];
+        if (other == c) {
+            continue;
+        }
+        if (is_near_triangle(n->tree, t, point, n->tolerance)) {
+            note(n, other);
+            n->is_near[other] = true;
+        } else if (is_below(n->tree, t, point)) {
+            note(n, other);
+            n->times[other]++;
+        }
+    }
+    for (int i = 0; i < n->met_count; ++i) {
+        const int other = n->met[i];
+        n->near[other] += n->is_near[other];
+        n->inside[other] += !n->is_near[other] && n->times[other] % 2 == 1;
+        n->times[other] = 0;
+        n->is_near[other] = false;
+    }
+}
+
+/* Whether the box of surface c overlaps another's. */
+static bool may_touch(const nesting *n, int c)
+{
+    bool found = false;
+    for (int d = 0; d < n->surface_count && !found; ++d) {
+        found = d != c;
+        for (int k = 0; k < 3; ++k) {
+            found = found && n->low[d][k] <= n->high[c][k] && n->low[c][k] <= n->high[d][k];
+        }
+    }
+    return found;
+}
+
+/* The lowest triangle of a surface. */
+static int first_of(const nesting *n, int c)
+{
+    return n->order[n->begin[c]];
+}
+
+static bool diagnose_pair(const nesting *n, int c, int d, const char *what,
+                          pl_diagnostic *diagnostic)
+{
+    pl_path_push_key(&diagnostic->path, "triangles");
+    pl_path_push_index(&diagnostic->path, first_of(n, c));
+    return pl_diagnose(diagnostic,
+                       "expected surfaces apart or one in another, found those of triangles %d and "
+                       "%d %s",
+                       first_of(n, c), first_of(n, d), what);
+}
+
+/* Whether surface c is a cavity: within an odd number of others. */
+static bool find_depth(nesting *n, int c, bool *is_cavity, pl_diagnostic *diagnostic)
+{
+    *is_cavity = false;
+    if (!may_touch(n, c)) {
+        return true;
+    }
+    const size_t size = (size_t)n->surface_count * sizeof(int);
+    memset(n->inside, 0, size);
+    memset(n->near, 0, size);
+    int points = 0;
+    for (int i = n->begin[c]; i < n->begin[c + 1]; ++i) {
+        const int *corner = n->tree->triangles[n->order[i]];
+        const pl_mesh_triangle t = pl_mesh_triangle_of(n->tree->vertices, corner);
+        double middle[3];
+        for (int k = 0; k < 3; ++k) {
+            middle[k] = t.corner[0][k] / 3 + t.corner[1][k] / 3 + t.corner[2][k] / 3;
+        }
+        add_point(n, c, middle);
+        ++points;
+        for (int k = 0; k < 3; ++k) {
+            if (!n->is_seen[corner[k]]) {
+                n->is_seen[corner[k]] = true;
+                add_point(n, c, n->tree->vertices[corner[k]]);
+                ++points;
+            }
+        }
+    }
+    if (n->left <= 0) {
+        return pl_diagnose_near_triangles(diagnostic);
+    }
+    for (int d = 0; d < n->surface_count; ++d) {
+        if (d != c && n->near[d] == points) {
+            return diagnose_pair(n, c, d, "in one place", diagnostic);
+        }
+        if (n->inside[d] > 0 && n->inside[d] + n->near[d] < points) {
+            return diagnose_pair(n, c, d, "partly in each other", diagnostic);
+        }
+        *is_cavity = *is_cavity != (n->inside[d] > 0);
     }
     return true;
 }
 
-bool pl_mesh_turn_cavities(const double (*vertices)[3], int (*triangles)[3], int triangle_count,
-                           const int *surface, int surface_count, pl_diagnostic *diagnostic)
+static void sort_triangles(nesting *n, int triangle_count)
+{
+    int *begin = n->begin; /* at first of the surface before, two places on */
+    for (int t = 0; t < triangle_count; ++t) {
+        begin[n->surface[t] + 2]++;
+    }
+    for (int c = 0; c < n->surface_count; ++c) {
+        begin[c + 2] += begin[c + 1];
+    }
+    for (int t = 0; t < triangle_count; ++t) {
+        n->order[begin[n->surface[t] + 1]++] = t;
+    }
+}
+
+static void find_boxes(nesting *n)
+{
+    for (int c = 0; c < n->surface_count; ++c) {
+        for (int i = n->begin[c]; i < n->begin[c + 1]; ++i) {
+            double low[3], high[3];
+            pl_mesh_box(n->tree, n->order[i], low, high);
+            const bool is_first = i == n->begin[c];
+            for (int k = 0; k < 3; ++k) {
+                low[k] -= n->tolerance;
+                high[k] += n->tolerance;
+                n->low[c][k] = is_first ? low[k] : fmin(n->low[c][k], low[k]);
+                n->high[c][k] = is_first ? high[k] : fmax(n->high[c][k], high[k]);
+            }
+        }
+    }
+}
+
+static void free_nesting(nesting *n)
+{
+    free(n->is_seen);
+    free(n->begin);
+    free(n->order);
+    free(n->low);
+    free(n->high);
+    free(n->times);
+    free(n->is_near);
+    free(n->inside);
+    free(n->near);
+    free(n->met);
+}
+
+static bool create_nesting(nesting *n, int vertex_count, int triangle_count)
+{
+    const size_t count = (size_t)n->surface_count;
+    n->is_seen = calloc((size_t)vertex_count, sizeof *n->is_seen);
+    n->begin = calloc(count + 2, sizeof *n->begin);
+    n->order = malloc((size_t)triangle_count * sizeof *n->order);
+    n->low = malloc(count * sizeof *n->low);
+    n->high = malloc(count * sizeof *n->high);
+    n->times = calloc(count, sizeof *n->times);
+    n->is_near = calloc(count, sizeof *n->is_near);
+    n->inside = malloc(count * sizeof *n->inside);
+    n->near = malloc(count * sizeof *n->near);
+    n->met = malloc(count * sizeof *n->met);
+    if (n->is_seen == NULL || n->begin == NULL || n->order == NULL || n->low == NULL ||
+        n->high == NULL || n->times == NULL || n->is_near == NULL || n->inside == NULL ||
+        n->near == NULL || n->met == NULL) {
+        return false;
+    }
+    sort_triangles(n, triangle_count);
+    find_boxes(n);
+    return true;
+}
+
+/* Marks the cavities. */
+static bool find_cavities(nesting *n, bool *is_cavity, pl_diagnostic *diagnostic)
+{
+    for (int c = 0; c < n->surface_count; ++c) {
+        if (!find_depth(n, c, &is_cavity[c], diagnostic)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool pl_mesh_turn_cavities(const pl_mesh_tree *tree, int vertex_count, int (*triangles)[3],
+                           int triangle_count, const int *surface, int surface_count,
+                           pl_diagnostic *diagnostic)
 {
     if (surface_count == 1) {
         return true;
     }
-    surfaces s;
-    if (!create_surfaces(&s, vertices, (const int(*)[3])triangles, triangle_count, surface,
-                         surface_count, diagnostic)) {
-        return false;
+    nesting n = {.tree = tree,
+                 .surface = surface,
+                 .surface_count = surface_count,
+                 .tolerance = pl_mesh_tolerance(tree),
+                 .left = PL_MAX_NEAR_TRIANGLES};
+    bool *is_cavity = calloc((size_t)surface_count, sizeof *is_cavity);
+    bool right = (is_cavity != NULL && create_nesting(&n, vertex_count, triangle_count)) ||
+                 pl_diagnose_no_memory(diagnostic);
+    right = right && find_cavities(&n, is_cavity, diagnostic);
+    for (int t = 0; t < triangle_count && right; ++t) {
+        if (is_cavity[surface[t]]) {
+            turn(triangles[t]);
+        }
     }
-    bool right = true;
-    for (int c = 0; c < s.count && right; ++c) {
-        right = turn_if_cavity(&s, c, triangles, diagnostic);
-    }
-    free_surfaces(&s);
+    free(is_cavity);
+    free_nesting(&n);
     return right;
 }

@@ -7,6 +7,7 @@
 #include "obj_faces.h"
 
 #include "mesh.h"
+#include "mesh_triangle.h"
 #include "plumb/vec.h"
 
 #include <math.h>
@@ -179,6 +180,12 @@ static polygon_fault cut_polygon(const double (*vertices)[3], const int *corner,
               .ear = malloc(room * sizeof *r.ear)};
     polygon_fault fault = POLYGON_NO_MEMORY;
     if (points == NULL || r.previous == NULL || r.next == NULL || r.ear == NULL) {
+        goto cleanup;
+    }
+    if (count == 3) { /* as it is: the mesh's own rule applies */
+        const bool has_area = pl_mesh_has_area(vertices, corner);
+        memcpy(triangles[0], corner, sizeof triangles[0]);
+        fault = has_area ? POLYGON_RIGHT : POLYGON_NO_AREA;
         goto cleanup;
     }
     fault = project(vertices, corner, count, points);

@@ -17,6 +17,7 @@
 #include "polyhedron.h"
 
 #include "base/number.h"
+#include "mesh_triangle.h"
 #include "plumb/vec.h"
 
 #include <float.h>
@@ -119,6 +120,33 @@ static moments integrate(const pl_polyhedron *p, const double from[3])
     return sum;
 }
 
+/* The same, but for rounding, with bits that do not depend on the order of vertices and triangles. */
+static moments integrate_in_any_order(const pl_polyhedron *p, const double from[3])
+{
+    pl_exact_sum sums[sizeof(moments) / sizeof(double)] = {{{0}, {0}}};
+    const pl_vec origin = pl_vec_of(from);
+    for (int t = 0; t < p->triangle_count; ++t) {
+        const pl_mesh_triangle shape =
+            pl_mesh_triangle_of((const double(*)[3])p->vertices, p->triangles[t]);
+        moments one = {.volume = 0};
+        double terms[sizeof one / sizeof(double)];
+        add_tetrahedron(&one, pl_vec_sub(pl_vec_of(shape.corner[0]), origin),
+                        pl_vec_sub(pl_vec_of(shape.corner[1]), origin),
+                        pl_vec_sub(pl_vec_of(shape.corner[2]), origin));
+        memcpy(terms, &one, sizeof terms);
+        for (size_t i = 0; i < sizeof terms / sizeof terms[0]; ++i) {
+            pl_exact_add(&sums[i], terms[i], shape.facing, 1);
+        }
+    }
+    moments sum;
+    double values[sizeof sum / sizeof(double)];
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; ++i) {
+        values[i] = pl_exact_value(&sums[i]);
+    }
+    memcpy(&sum, values, sizeof sum);
+    return sum;
+}
+
 /* The middle of the bounding box; returns its longest side. */
 static double middle_of_box(const pl_polyhedron *p, double middle[3])
 {
@@ -213,50 +241,71 @@ static void to_quaternion(double m[3][3], double q[4])
     }
 }
 
-void pl_surface_volume(const double (*vertices)[3], const int (*triangles)[3], int triangle_count,
-                       const double from[3], double *six_volumes, double *two_areas)
+void pl_surface_add(pl_surface_sums *sums, const double (*vertices)[3], const int corner[3])
 {
-    *six_volumes = *two_areas = 0;
-    for (int t = 0; t < triangle_count; ++t) {
-        const pl_vec a = pl_vec_of(vertices[triangles[t][0]]);
-        const pl_vec ab = pl_vec_sub(pl_vec_of(vertices[triangles[t][1]]), a);
-        const pl_vec ac = pl_vec_sub(pl_vec_of(vertices[triangles[t][2]]), a);
-        const pl_vec normal = pl_vec_cross(ab, ac);
-        *six_volumes += pl_vec_dot(pl_vec_sub(a, pl_vec_of(from)), normal);
-        *two_areas += pl_vec_length(normal);
+    const pl_mesh_triangle t = pl_mesh_triangle_of(vertices, corner);
+    pl_exact_add_determinant(&sums->six_volumes, t.facing, t.corner[0], t.corner[1], t.corner[2]);
+    pl_exact_add(&sums->two_areas, pl_vec_length(pl_mesh_normal(&t)), 1, 1);
+    for (int k = 0; k < 9; ++k) {
+        sums->largest = fmax(sums->largest, fabs(t.corner[k / 3][k % 3]));
     }
 }
 
-bool pl_surface_is_thick(double six_volumes, double two_areas, double largest_coordinate)
+bool pl_surface_is_thick(const pl_surface_sums *sums)
 {
-    const double thickness = six_volumes / (3 * two_areas);
-    return thickness > PL_MIN_THICKNESS && thickness > 16 * DBL_EPSILON * largest_coordinate;
+    const double volume = fabs(pl_exact_value(&sums->six_volumes)) / 3;
+    const double thickness = volume / pl_exact_value(&sums->two_areas);
+    return thickness > PL_MIN_THICKNESS && thickness > 16 * DBL_EPSILON * sums->largest;
 }
 
-bool pl_polyhedron_measure(pl_polyhedron *p)
+static bool encloses_volume(const pl_polyhedron *p)
 {
-    double middle[3], six_volumes, two_areas;
+    pl_surface_sums sums = {.largest = 0};
+    for (int t = 0; t < p->triangle_count; ++t) {
+        pl_surface_add(&sums, (const double(*)[3])p->vertices, p->triangles[t]);
+    }
+    return pl_exact_sign(&sums.six_volumes) > 0 && pl_surface_is_thick(&sums);
+}
+
+/* Computes volume, centre and the means of products of coordinates from there. */
+static void measure(const pl_polyhedron *p,
+                    moments (*integral)(const pl_polyhedron *p, const double from[3]),
+                    double *volume, double centre[3], double mean[3][3])
+{
+    double middle[3];
     const double rounding = 16 * DBL_EPSILON * middle_of_box(p, middle);
-    pl_surface_volume((const double(*)[3])p->vertices, (const int(*)[3])p->triangles,
-                      p->triangle_count, middle, &six_volumes, &two_areas);
-    const double largest = pl_largest_coordinate((const double(*)[3])p->vertices, p->vertex_count);
-    if (!pl_surface_is_thick(six_volumes, two_areas, largest)) {
-        return false;
-    }
-    moments m = integrate(p, middle);
+    moments m = integral(p, middle);
     for (int k = 0; k < 3; ++k) {
         const double shift = m.first[k] / m.volume;
-        p->centre[k] = middle[k] + (fabs(shift) > rounding ? shift : 0);
+        centre[k] = middle[k] + (fabs(shift) > rounding ? shift : 0);
     }
-    m = integrate(p, p->centre);
-    p->volume = m.volume;
-
-    double mean[3][3], axes[3][3];
+    m = integral(p, centre);
+    *volume = m.volume;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j <= i; ++j) {
             mean[i][j] = mean[j][i] = m.second[i][j] / m.volume;
         }
     }
+}
+
+/* Whether the solid is at most a million times as long as wide. */
+static bool is_wide(const pl_polyhedron *p)
+{
+    double volume, centre[3], mean[3][3], axes[3][3];
+    measure(p, integrate_in_any_order, &volume, centre, mean);
+    diagonalize(mean, axes);
+    const double least = fmin(mean[0][0], fmin(mean[1][1], mean[2][2]));
+    const double most = fmax(mean[0][0], fmax(mean[1][1], mean[2][2]));
+    return volume > 0 && least > THINNEST * THINNEST * most;
+}
+
+bool pl_polyhedron_measure(pl_polyhedron *p)
+{
+    double mean[3][3], axes[3][3];
+    if (!encloses_volume(p) || !is_wide(p)) {
+        return false;
+    }
+    measure(p, integrate, &p->volume, p->centre, mean);
     diagonalize(mean, axes);
     to_quaternion(axes, p->axes);
     p->radius = 0;
@@ -267,7 +316,5 @@ bool pl_polyhedron_measure(pl_polyhedron *p)
     for (int k = 0; k < 3; ++k) {
         p->inertia[k] = mean[(k + 1) % 3][(k + 1) % 3] + mean[(k + 2) % 3][(k + 2) % 3];
     }
-    const double least = fmin(mean[0][0], fmin(mean[1][1], mean[2][2]));
-    const double most = fmax(mean[0][0], fmax(mean[1][1], mean[2][2]));
-    return least > THINNEST * THINNEST * most;
+    return p->volume > 0 && p->inertia[0] > 0 && p->inertia[1] > 0 && p->inertia[2] > 0;
 }

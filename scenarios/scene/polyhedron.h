@@ -7,6 +7,7 @@
 #define PLUMB_POLYHEDRON_H
 
 #include "base/diagnostic.h"
+#include "base/exact.h"
 #include "plumb/scene.h"
 
 /* Beyond these sizes squares and cubes of lengths leave the range of doubles. */
@@ -35,12 +36,19 @@ bool pl_polyhedron_check_points(const char *key, const double (*points)[3], int 
  * as long as wide. */
 bool pl_polyhedron_measure(pl_polyhedron *polyhedron);
 
-/* Computes six times the volume between the surface and the point `from`, and twice its area. */
-void pl_surface_volume(const double (*vertices)[3], const int (*triangles)[3], int triangle_count,
-                       const double from[3], double *six_volumes, double *two_areas);
+/* Sums over the triangles of a closed surface, without rounding: they do not depend on its order.
+ * Begins as zeros. */
+typedef struct pl_surface_sums {
+    pl_exact_sum six_volumes; /* six times the volume */
+    pl_exact_sum two_areas;   /* twice the area */
+    double largest;           /* absolute coordinate, m */
+} pl_surface_sums;
 
-/* Whether volume over surface is more than rounding for coordinates of this size. */
-bool pl_surface_is_thick(double six_volumes, double two_areas, double largest_coordinate);
+/* Adds a triangle. */
+void pl_surface_add(pl_surface_sums *sums, const double (*vertices)[3], const int corner[3]);
+
+/* Whether the magnitude of volume over surface is more than rounding of the coordinates. */
+bool pl_surface_is_thick(const pl_surface_sums *sums);
 
 /* The largest absolute coordinate. */
 double pl_largest_coordinate(const double (*points)[3], int count);
