@@ -299,6 +299,9 @@ static void find_old(pe_search *s, examined *e)
     while (s->next < end && pe_precedes_pair(&old[s->next], e->pair)) {
         ++s->next;
     }
+    if (s->next == end) {
+        return;
+    }
     e->old = &old[s->next];
     for (; s->next < end && old[s->next].a == e->pair.a && old[s->next].b == e->pair.b; ++s->next) {
         e->old_count += 1;
