@@ -321,8 +321,7 @@ static pl_status wait_and_collect(execution *e, int *signal_number, pl_error *er
         if (e->slots[i].busy) {
             pl_isolated_run_look(&e->slots[i].run);
         }
-        if (e->slots[i].busy &&
-            pl_process_advance(&e->slots[i].run.process, e->slots[i].polls)) {
+        if (e->slots[i].busy && pl_process_advance(&e->slots[i].run.process, e->slots[i].polls)) {
             status = finish(e, &e->slots[i], error);
         }
     }
