@@ -153,8 +153,8 @@ static pl_status make_check(const checking *c, int index, const pl_engine_choice
     hash = pl_hash_text(pl_hash_byte(hash, (unsigned char)choice->profile),
                         pl_conformance_name(index));
     pl_hash_hex(hash, key);
-    *result = (pl_check_result){.name = pl_conformance_name(index),
-                                .title = pl_conformance_title(index)};
+    *result =
+        (pl_check_result){.name = pl_conformance_name(index), .title = pl_conformance_title(index)};
     json_t *record = pl_journal_take(c->journal, key);
     pl_status status = PL_OK;
     if (!read_result(record, result)) {

@@ -146,11 +146,11 @@ static pl_status write_report(const options *o, const json_t *results, pl_error 
                                .folders = request->names.items,
                                .folder_count = request->names.count};
     char *picture = NULL;
-    pl_status status = failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a report")
-                       : o->figure != NULL && o->format != NULL
-                           ? pl_figure_write(&def, o->figure, o->format->picture,
-                                             request->force, &picture, error)
-                           : pl_report_write(&def, error);
+    pl_status status =
+        failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a report")
+        : o->figure != NULL && o->format != NULL
+            ? pl_figure_write(&def, o->figure, o->format->picture, request->force, &picture, error)
+            : pl_report_write(&def, error);
     if (picture != NULL && status == PL_OK) {
         fprintf(stderr, "the picture is in %s\n", picture);
     }
@@ -183,8 +183,8 @@ static pl_status deliver(const options *o, const pl_merge *merge, pl_error *erro
         status = check_kept(merge, request->out, store, request->force, error);
     }
     if (status == PL_OK) {
-        status = check_file(request, json_array_size(pl_store_results(store)) > 0, "index.html",
-                            error);
+        status =
+            check_file(request, json_array_size(pl_store_results(store)) > 0, "index.html", error);
     }
     if (status == PL_OK) {
         status = write_report(o, merge->results, error);

@@ -128,7 +128,7 @@ static void print_problem(const options *o, const session *s)
         fprintf(out, "; %s, step %.0f", scenario, json_number_value(step));
     }
     fprintf(out, "\n%s start: residual %.3g m/s, rms %.3g\n", o->cold ? "cold" : "warm",
-             number(start_of(s), "max"), number(start_of(s), "rms"));
+            number(start_of(s), "max"), number(start_of(s), "rms"));
     pl_folding_end(&folding);
 }
 
@@ -223,17 +223,15 @@ static json_t *history_json(const pe_contact_solution *solution)
 static json_t *run_json(const pl_solver_run *run, const pe_contact_problem *problem)
 {
     const pe_contact_solution *s = &run->solution;
-    return json_pack("{s:s, s:s, s:i, s:o, s:o, s:f, s:i, s:f, s:o, s:o, s:o, s:{s:o, s:o}}",
-                     "solver",
-                     run->solver, "outcome", pl_solve_stop_name(s->stop), "iterations",
-                     s->iterations, "residual_max", pl_json_number_or_null(s->residual.max),
-                     "residual_rms", pl_json_number_or_null(s->residual.rms), "seconds",
-                     run->seconds, "repeats", run->repeats, "factor_flops", s->factor_flops,
-                     "history", history_json(s), "impulses",
-                     numbers(s->impulses[0], problem->point_count, 3), "velocities",
-                     numbers(s->velocities[0], problem->body_count, 6), "start", "max",
-                     pl_json_number_or_null(s->start.max), "rms",
-                     pl_json_number_or_null(s->start.rms));
+    return json_pack(
+        "{s:s, s:s, s:i, s:o, s:o, s:f, s:i, s:f, s:o, s:o, s:o, s:{s:o, s:o}}", "solver",
+        run->solver, "outcome", pl_solve_stop_name(s->stop), "iterations", s->iterations,
+        "residual_max", pl_json_number_or_null(s->residual.max), "residual_rms",
+        pl_json_number_or_null(s->residual.rms), "seconds", run->seconds, "repeats", run->repeats,
+        "factor_flops", s->factor_flops, "history", history_json(s), "impulses",
+        numbers(s->impulses[0], problem->point_count, 3), "velocities",
+        numbers(s->velocities[0], problem->body_count, 6), "start", "max",
+        pl_json_number_or_null(s->start.max), "rms", pl_json_number_or_null(s->start.rms));
 }
 
 static pl_status write_json(const options *o, const session *s, pl_error *error)
@@ -246,14 +244,13 @@ static pl_status write_json(const options *o, const session *s, pl_error *error)
     {
         json_object_del(run, "start");
     }
-    json_t *whole =
-        json_pack("{s:s, s:s, s:O?, s:i, s:i, s:i, s:s, s:f, s:i, s:o, s:o, s:o}", "schema",
-                  "plumb.solve/1", "file", o->file, "source", s->source, "bodies", p->body_count,
-                  "manifolds", p->manifold_count, "points", p->point_count, "start",
-                  o->cold ? "cold" : "warm", "tolerance", o->limits.tolerance, "max_iterations",
-                  o->limits.max_iterations, "start_residual_max",
-                  pl_json_number_or_null(number(start, "max")), "start_residual_rms",
-                  pl_json_number_or_null(number(start, "rms")), "solvers", json_incref(s->runs));
+    json_t *whole = json_pack(
+        "{s:s, s:s, s:O?, s:i, s:i, s:i, s:s, s:f, s:i, s:o, s:o, s:o}", "schema", "plumb.solve/1",
+        "file", o->file, "source", s->source, "bodies", p->body_count, "manifolds",
+        p->manifold_count, "points", p->point_count, "start", o->cold ? "cold" : "warm",
+        "tolerance", o->limits.tolerance, "max_iterations", o->limits.max_iterations,
+        "start_residual_max", pl_json_number_or_null(number(start, "max")), "start_residual_rms",
+        pl_json_number_or_null(number(start, "rms")), "solvers", json_incref(s->runs));
     pl_status status = whole == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
                                      : pl_results_write_json(o->request.json, whole, error);
     json_decref(whole);
@@ -264,8 +261,8 @@ static pl_status write_json(const options *o, const session *s, pl_error *error)
 /* ---- The command ---- */
 
 /* What tells solves apart: the problem, the solver, its limits, and our engine's binary. */
-static pl_status key_of(const options *o, const session *s, const char *solver, char key[PL_HASH_TEXT_SIZE],
-                        pl_error *error)
+static pl_status key_of(const options *o, const session *s, const char *solver,
+                        char key[PL_HASH_TEXT_SIZE], pl_error *error)
 {
     const double limits[] = {o->limits.tolerance, o->limits.max_iterations};
     char *text = pl_problem_to_text(s->problem, NULL);
@@ -342,8 +339,8 @@ static int solve(const pl_call *call, const options *o)
     const json_t *run;
     json_array_foreach(s.runs, index, run)
     {
-        const bool converged = strcmp(pl_json_get_text(run, "outcome"),
-                                      pl_solve_stop_name(PE_STOP_CONVERGED)) == 0;
+        const bool converged =
+            strcmp(pl_json_get_text(run, "outcome"), pl_solve_stop_name(PE_STOP_CONVERGED)) == 0;
         code = converged ? PL_EXIT_OK : code;
     }
     if (status == PL_OK && o->request.json != NULL) {
@@ -378,9 +375,8 @@ static int run_benchmark(const pl_call *call, const pl_request *request)
     char *path = pl_benchmark_path(request->out, "json");
     int count;
     const pl_benchmark_problem *rows = pl_benchmark_problems(&count);
-    pl_status status = path == NULL
-                           ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                           : pl_request_outputs(request, path, &error);
+    pl_status status = path == NULL ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
+                                    : pl_request_outputs(request, path, &error);
     free(path);
     if (status == PL_OK) {
         status = pl_request_journal(call, request, &journal, &error);
@@ -427,7 +423,8 @@ static const pl_option OPTIONS[] = {
     {"benchmark", NULL, "Capture the problems of the benchmark and run all solvers on them",
      PL_OPTION_FLAG, .field = offsetof(options, benchmark)},
     {"out", NULL,
-     "Where --benchmark writes solver-benchmark.md, .csv, .json and its page (default report); until "
+     "Where --benchmark writes solver-benchmark.md, .csv, .json and its page (default report); "
+     "until "
      "the end also plumb-*.unfinished.jsonl, which is else in the working directory",
      .kind = PL_OPTION_HELP},
     {0}};

@@ -93,13 +93,13 @@ static pl_status open_store(const options *o, bool is_shard, const char *folder,
     if (status == PL_OK && (o->request.resume || (!is_shard && !o->request.force))) {
         status = pl_merge_add_any(&k->before, o->request.out, error);
     }
-    if (!o->request.resume &&
-        (status == PL_BAD_INPUT || json_array_size(k->before.results) > 0)) {
-        status = pl_fail(error, PL_BAD_INPUT,
-                         "%s/results.jsonl, or a shard next to it, has results: --resume keeps them "
-                         "and makes the runs that are missing, --force leaves them out, and --out "
-                         "takes another folder",
-                         o->request.out);
+    if (!o->request.resume && (status == PL_BAD_INPUT || json_array_size(k->before.results) > 0)) {
+        status =
+            pl_fail(error, PL_BAD_INPUT,
+                    "%s/results.jsonl, or a shard next to it, has results: --resume keeps them "
+                    "and makes the runs that are missing, --force leaves them out, and --out "
+                    "takes another folder",
+                    o->request.out);
     }
     for (size_t i = 0; status == PL_OK && i < json_array_size(k->before.results); ++i) {
         pl_repeats_see(&k->repeats, json_array_get(k->before.results, i));

@@ -98,7 +98,8 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
     pl_tuning tuning = {.runs = 0};
     pl_journal *journal = NULL;
     json_t *provenance = pl_call_provenance(call, &error);
-    pl_status status = provenance == NULL ? PL_NO_MEMORY : open_journal(call, o, space, &journal, &error);
+    pl_status status =
+        provenance == NULL ? PL_NO_MEMORY : open_journal(call, o, space, &journal, &error);
     const pl_tune_def def = {.plan = plan,
                              .dt = o->request.dt,
                              .duration = o->request.duration,

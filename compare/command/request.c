@@ -179,10 +179,10 @@ pl_status pl_request_journal(const pl_call *call, const pl_request *request, pl_
     if (status == PL_OK && request->out != NULL) {
         status = pl_make_directories(request->out, error);
     }
-    return status == PL_OK ? pl_call_journal(call, request->out,
-                                             pl_store_mode_of(request->resume, request->force),
-                                             journal, error)
-                           : status;
+    return status == PL_OK
+               ? pl_call_journal(call, request->out,
+                                 pl_store_mode_of(request->resume, request->force), journal, error)
+               : status;
 }
 
 /* ---- Cases ---- */

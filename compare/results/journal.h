@@ -6,6 +6,7 @@
 
 #include "store.h"
 
+/* An open journal. */
 typedef struct pl_journal pl_journal;
 
 /* Opens the journal FOLDER/plumb-NAME-STUDY.unfinished.jsonl, where `study` is a hash that tells

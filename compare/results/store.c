@@ -39,10 +39,9 @@ static pl_status read_line(const char *line, size_t length, const char *expected
     bool right = schema != NULL && strcmp(schema, expected) == 0 &&
                  json_is_string(json_object_get(result, "run"));
     if (!right) {
-        pl_status status =
-            pl_fail(error, PL_BAD_INPUT, "%s:%ld:1: expected a %s, found %s%.100s", path, number,
-                    expected, schema == NULL ? "no schema" : "schema ",
-                    schema == NULL ? "" : schema);
+        pl_status status = pl_fail(error, PL_BAD_INPUT, "%s:%ld:1: expected a %s, found %s%.100s",
+                                   path, number, expected, schema == NULL ? "no schema" : "schema ",
+                                   schema == NULL ? "" : schema);
         json_decref(result);
         return status;
     }
@@ -279,8 +278,8 @@ static pl_status lock_file(int file, const char *path, pl_error *error)
     const bool is_there = is_locked && fstat(file, &locked) == 0 && stat(path, &named) == 0 &&
                           locked.st_ino == named.st_ino && locked.st_dev == named.st_dev;
     return is_there ? PL_OK
-                   : pl_fail(error, PL_IO, "%s: another plumb is writing it; choose another --out",
-                             path);
+                    : pl_fail(error, PL_IO, "%s: another plumb is writing it; choose another --out",
+                              path);
 }
 
 /* Cuts the file to its complete lines. */
@@ -337,10 +336,10 @@ pl_status pl_store_open_file(const char *path, const char *schema, pl_store_mode
     if (asprintf(&made->replaced, "%s.replaced", path) < 0) {
         made->replaced = NULL;
     }
-    pl_status status = made->path == NULL || made->replaced == NULL || made->results == NULL ||
-                               made->runs == NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
-                           : open_and_lock(made, error);
+    pl_status status =
+        made->path == NULL || made->replaced == NULL || made->results == NULL || made->runs == NULL
+            ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
+            : open_and_lock(made, error);
     if (status == PL_OK && mode == PL_STORE_NEW &&
         (has_content(path) || has_content(made->replaced))) {
         status = pl_fail(error, PL_BAD_INPUT, "%s %s", path, remedy);
@@ -373,9 +372,9 @@ static pl_status check_others(const char *directory, const char *const *others, 
             return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
         }
         if (has_content(path)) {
-            status = pl_fail(error, PL_BAD_INPUT,
-                             "%s exists: --force replaces it, and --out takes another folder",
-                             path);
+            status =
+                pl_fail(error, PL_BAD_INPUT,
+                        "%s exists: --force replaces it, and --out takes another folder", path);
         }
         free(path);
     }

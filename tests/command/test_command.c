@@ -252,7 +252,8 @@ static void test_compare_separates_data_from_messages_in_all_forms(void **state)
         assert_int_equal(access(path, R_OK), 0);
         free(path);
     }
-    check_call(state, "compare @ --engine % --out # --json #.json --force", 0, "faulty:good", "report");
+    check_call(state, "compare @ --engine % --out # --json #.json --force", 0, "faulty:good",
+               "report");
     char *path = path_in(f->directory, "report.json");
     json_t *written = json_load_file(path, 0, NULL);
     assert_int_equal(json_array_size(written), 1);
@@ -291,7 +292,8 @@ static void test_unwritable_output_exits_3_with_its_name(void **state)
     const workspace *f = *state;
     check_call(state, "compare @ --engine % --out @/x", 3, "", "scene.json");
     check_call(state, "compare @ --engine % --out # --json /dev/full --force", 3, "", "/dev/full");
-    check_call(state, "compare @ --engine % --out # --json #/none/all.json --force", 3, "", "all.json");
+    check_call(state, "compare @ --engine % --out # --json #/none/all.json --force", 3, "",
+               "all.json");
     check_call(state, "run @ --engine % --json /dev/full", 3, "", "/dev/full");
     char *path = path_in(f->directory, "full");
     char *file = path_in(path, "results.jsonl");
@@ -339,8 +341,8 @@ static void test_a_closed_standard_stream_never_becomes_a_file(void **state)
     static const char *const closed[] = {">&-", "<&- >&-", "<&- >&- 2>&-"};
     for (size_t i = 0; i < sizeof closed / sizeof closed[0]; ++i) {
         char text[512];
-        snprintf(text, sizeof text, "compare %s --engine %s --out %s --json - --force", f->scene, FAULTY,
-                 f->out);
+        snprintf(text, sizeof text, "compare %s --engine %s --out %s --json - --force", f->scene,
+                 FAULTY, f->out);
         assert_int_equal(shell(f, text, closed[i]), 3);
         json_t *results = NULL;
         assert_int_equal(pl_results_read(f->results, &results, NULL, NULL), PL_OK);

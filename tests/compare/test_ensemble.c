@@ -306,9 +306,10 @@ static void test_references_have_more_iterations_if_supported(void **state)
                  {"ode:dantzig", "ode:dantzig@converged", 20}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         char text[160];
-        snprintf(text, sizeof text,
-                 "pile --set n=2 --duration 0.1 --engine %s --members 6 --out # --converged --force",
-                 cases[i].engine);
+        snprintf(
+            text, sizeof text,
+            "pile --set n=2 --duration 0.1 --engine %s --members 6 --out # --converged --force",
+            cases[i].engine);
         plumb_output output = call(f, text);
         if (output.code == 4) { /* this build lacks the engine */
             free_output(&output);

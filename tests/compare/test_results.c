@@ -392,9 +392,10 @@ static void test_one_process_at_a_time_writes_a_file(void **state)
         pl_error error = {.message = ""};
         bool refused = true;
         for (int mode = PL_STORE_NEW; mode <= PL_STORE_REPLACE; ++mode) {
-            refused = refused && pl_store_open(directory, (pl_store_mode)mode, NULL, &second,
-                                               &error) == PL_IO &&
-                      strstr(error.message, "another plumb") != NULL;
+            refused =
+                refused &&
+                pl_store_open(directory, (pl_store_mode)mode, NULL, &second, &error) == PL_IO &&
+                strstr(error.message, "another plumb") != NULL;
         }
         _exit(refused ? 0 : 1);
     }

@@ -23,8 +23,8 @@ static void read_profile(const char *path)
     fuzz_check(status == PL_OK || strncmp(error.message, path, strlen(path)) == 0,
                "a refusal has the file");
     for (int i = 0; i < engine.option_count && status == PL_OK && found; ++i) {
-        fuzz_check(!profile.given[i] || (profile.values[i] >= options[i].min &&
-                                         profile.values[i] <= options[i].max),
+        fuzz_check(!profile.given[i] ||
+                       (profile.values[i] >= options[i].min && profile.values[i] <= options[i].max),
                    "an accepted value is in its range");
     }
 }

@@ -61,7 +61,7 @@ typedef struct pl_tolerance_def {
     pl_limits limits; /* of each run */
     json_t *provenance;
     pl_journal *journal; /* of the runs; NULL: none */
-    pl_progress *bar; /* counts these runs, which its total includes; NULL: none */
+    pl_progress *bar;    /* counts these runs, which its total includes; NULL: none */
     void *user;
     /* Whether this run has a result already, as in pl_execution_def. A scenario and engine whose
      * runs all have one need no search. NULL: no run has one. */

@@ -34,7 +34,7 @@ typedef struct pl_metamorphic_def {
     pl_limits limits;
     json_t *provenance;
     pl_journal *journal; /* of the checks and plain runs; NULL: none */
-    FILE *progress; /* NULL: no progress is shown */
+    FILE *progress;      /* NULL: no progress is shown */
     void *user;
     /* Receives the checks of each run as they end. A status other than PL_OK ends the study. */
     pl_status (*keep)(void *user, const pl_checks_of_run *checks, pl_error *error);

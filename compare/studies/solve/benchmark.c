@@ -323,7 +323,7 @@ static pl_status run_solver(const pl_benchmark_problem *row, solver_run_def *l, 
         return status;
     }
     cell = json_pack("{s:s, s:s, s:o}", "solver", l->solver.name, "start", start, "levels",
-                             collect_levels(&process));
+                     collect_levels(&process));
     pl_process_free(&process);
     status = pl_journal_add(journal, key, cell, error);
     return json_array_append_new(cells, cell) == 0 ? status

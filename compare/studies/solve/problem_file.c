@@ -390,9 +390,9 @@ char *pl_capture_path(const char *path, int number)
     if (path == NULL) {
         return NULL;
     }
-    return (braces == NULL ? asprintf(&text, "%s", path)
-                           : asprintf(&text, "%.*s%d%s", (int)(braces - path), path, number,
-                                      braces + 2)) < 0
+    return (braces == NULL
+                ? asprintf(&text, "%s", path)
+                : asprintf(&text, "%.*s%d%s", (int)(braces - path), path, number, braces + 2)) < 0
                ? NULL
                : text;
 }

@@ -61,7 +61,7 @@ typedef struct pl_threshold_search_def {
     pl_limits limits;
     json_t *provenance;  /* pl_provenance */
     pl_journal *journal; /* of the trials; NULL: none */
-    FILE *progress;     /* NULL: no progress is shown */
+    FILE *progress;      /* NULL: no progress is shown */
 } pl_threshold_search_def;
 
 /* Fills *searches, ordered by case and then by engine, as far as the search got. The caller

@@ -90,7 +90,7 @@ typedef struct pl_measure_def {
     pl_limits limits;
     json_t *provenance;
     pl_journal *journal; /* NULL: none */
-    pl_progress *bar; /* counts the runs; NULL: none */
+    pl_progress *bar;    /* counts the runs; NULL: none */
 } pl_measure_def;
 
 /* Makes the runs. The caller frees *readings in any case. A signal ends them as in pl_execute.
