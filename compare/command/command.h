@@ -57,7 +57,7 @@ typedef struct pl_option {
     char letter; /* short form "-letter"; 0: none */
 } pl_option;
 
-enum { PL_SHARED_OPTIONS = 5 };
+enum { PL_SHARED_OPTIONS = 6 };
 
 /* How a command was called. */
 typedef struct pl_call {

@@ -347,6 +347,6 @@ const pl_command pl_command_compare = {
              "  plumb compare tower --set n=50 --dt 1/240 --out report-50\n"
              "  plumb compare ./mine.json --engine ./mine.so:fast --json - | jq .",
     .options = OPTIONS,
-    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options,
-               pl_out_options},
+    .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,
+               pl_jobs_options, pl_out_options},
     .run = run};

@@ -297,7 +297,7 @@ const pl_command pl_command_ensemble = {
         "  plumb ensemble wall-collapse --engine plumb --against friction=0.4 --against itself\n"
         "  plumb ensemble ./mine.json --engine ./mine.so:fast --json - | jq .comparisons",
     .options = OPTIONS,
-    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options,
-               pl_out_options},
+    .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,
+               pl_jobs_options, pl_out_options},
     .check = check,
     .run = run};

@@ -137,6 +137,7 @@ const pl_command pl_command_metamorphic = {
              "  plumb metamorphic wall-collapse --engine plumb --check order --check far\n"
              "  plumb metamorphic ./mine.json --engine ./mine.so:fast --json - | jq .",
     .options = OPTIONS,
-    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_study_options},
+    .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,
+               pl_study_options},
     .check = check,
     .run = run};

@@ -345,6 +345,6 @@ const pl_command pl_command_report = {
              "  plumb report report --figure tower:t=2.5 --format pdf --out pictures\n"
              "  plumb report threshold.json --out thresholds",
     .options = OPTIONS,
-    .shared = {pl_force_options},
+    .shared = {pl_file_options, pl_force_options},
     .check = check,
     .run = run};

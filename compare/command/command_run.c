@@ -299,6 +299,6 @@ const pl_command pl_command_run = {
              "  plumb run ./mine.json --engine bullet --trajectory frames.csv\n"
              "  plumb run wall --engine plumb --capture 60:wall.json",
     .options = OPTIONS,
-    .shared = {pl_scene_options, pl_limit_options, pl_force_options},
+    .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_force_options},
     .check = check,
     .run = run};

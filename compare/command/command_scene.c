@@ -89,6 +89,6 @@ const pl_command pl_command_scene = {.name = "scene",
                                               "  plumb compare ./mine.json\n"
                                               "  plumb scene tower --format mjcf > tower.xml",
                                      .options = format_options,
-                                     .shared = {pl_scene_options},
+                                     .shared = {pl_scene_options, pl_file_options},
                                      .check = check,
                                      .run = run};

@@ -393,7 +393,7 @@ const pl_command pl_command_sweep = {
         "  mpirun -n 4 plumb sweep --suite canonical --vary dt=1/60,1/240\n"
         "  plumb report sweep --out report",
     .options = OPTIONS,
-    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options,
-               pl_out_options},
+    .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,
+               pl_jobs_options, pl_out_options},
     .check = check,
     .run = run};

@@ -203,7 +203,7 @@ const pl_command pl_command_threshold = {
              "  plumb threshold slope-threshold slope-tip --engine plumb --engine ode:quick\n"
              "  plumb threshold --suite hard --jobs 2 --json thresholds.jsonl",
     .options = OPTIONS,
-    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options,
-               pl_study_options},
+    .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,
+               pl_jobs_options, pl_study_options},
     .check = check,
     .run = run};

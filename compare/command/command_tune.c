@@ -219,7 +219,7 @@ const pl_command pl_command_tune = {
         "  plumb tune wall --set rows=5 --engine bullet:si --target 'penetration_max<=1e-4' "
         "--fix dt=1/60",
     .options = OPTIONS,
-    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options,
-               pl_study_options},
+    .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,
+               pl_jobs_options, pl_study_options},
     .check = check,
     .run = run};

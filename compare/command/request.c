@@ -1,12 +1,14 @@
 #include "request.h"
 
 #include "base/array.h"
+#include "base/file_beneath.h"
 #include "base/thread_pool.h"
 #include "engines/registry.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* An entry of a suite, or a name that was asked for. */
 typedef struct asked {
@@ -56,21 +58,49 @@ const pl_option pl_scene_options[] = {
      .field = offsetof(pl_request, seed), .max = 0x1p53 - 1},
     {0}};
 
-/* Puts a file before those of the environment, where engines are looked up. */
-static pl_status add_profiles(void *options, const char *path, pl_error *error)
+/* Puts a path before those of an environment variable, where it is looked up. */
+static pl_status add_path(const char *variable, const char *path, pl_error *error)
 {
-    (void)options;
-    const char *before = getenv(PL_PROFILES_VARIABLE);
+    const char *before = getenv(variable);
     char *paths = NULL;
     pl_status status = PL_OK;
     if (asprintf(&paths, "%s%s%s", path, before == NULL ? "" : ":", before == NULL ? "" : before) <
             0 ||
-        setenv(PL_PROFILES_VARIABLE, paths, 1) != 0) {
+        setenv(variable, paths, 1) != 0) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory");
     }
     free(paths);
     return status;
 }
+
+static pl_status add_profiles(void *options, const char *path, pl_error *error)
+{
+    (void)options;
+    return add_path(PL_PROFILES_VARIABLE, path, error);
+}
+
+static pl_status add_allowed(void *options, const char *folder, pl_error *error)
+{
+    (void)options;
+    char *real = realpath(folder, NULL);
+    struct stat status;
+    if (real == NULL || stat(real, &status) != 0 || !S_ISDIR(status.st_mode) ||
+        strchr(real, ':') != NULL) {
+        free(real);
+        return pl_fail(error, PL_BAD_INPUT,
+                       "--allow-files takes a folder without ':' in its name; found \"%.200s\"",
+                       folder);
+    }
+    const pl_status result = add_path(PL_ALLOWED_VARIABLE, real, error);
+    free(real);
+    return result;
+}
+
+const pl_option pl_file_options[] = {
+    {"allow-files", "DIR",
+     "Let scenes name files below DIR too, not only below their own folder (repeatable)",
+     PL_OPTION_PARSED, .parse = add_allowed},
+    {0}};
 
 static pl_status parse_memory(void *options, const char *text, pl_error *error)
 {

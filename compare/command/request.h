@@ -34,6 +34,8 @@ void pl_request_free(pl_request *request);
 
 /* --set, --dt, --duration, --seed */
 extern const pl_option pl_scene_options[];
+/* --allow-files: of every command that reads scenes */
+extern const pl_option pl_file_options[];
 /* --timeout, --cpu-limit, --memory, --profiles */
 extern const pl_option pl_limit_options[];
 /* --suite, --engine, --with, --json */

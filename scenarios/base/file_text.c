@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 static pl_status fail_by_size(const pl_file_kind *kind, const char *label, const char *found,
                               pl_error *error)
@@ -61,16 +62,14 @@ const char *pl_file_label(const char *path)
     return strcmp(path, "-") == 0 ? "<stdin>" : path;
 }
 
-pl_status pl_file_read(const pl_file_kind *kind, const char *path, char **text, size_t *length,
-                       pl_error *error)
+size_t pl_byte_order_mark(const char *text, size_t length)
 {
-    const bool is_stdin = strcmp(path, "-") == 0;
-    const char *label = pl_file_label(path);
-    FILE *stream = is_stdin ? stdin : fopen(path, "rb");
-    if (stream == NULL) {
-        return pl_fail(error, PL_BAD_INPUT, "%s: expected a %s file, found none to read: %s", label,
-                       kind->noun, strerror(errno));
-    }
+    return length >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+}
+
+static pl_status read_all(const pl_file_kind *kind, FILE *stream, const char *label, char **text,
+                          size_t *length, pl_error *error)
+{
     pl_status status = check_stream(kind, stream, label, error);
     if (status == PL_OK) {
         pl_text_buffer read = {0};
@@ -82,8 +81,35 @@ pl_status pl_file_read(const pl_file_kind *kind, const char *path, char **text, 
             pl_text_free(&read);
         }
     }
+    return status;
+}
+
+pl_status pl_file_read(const pl_file_kind *kind, const char *path, char **text, size_t *length,
+                       pl_error *error)
+{
+    const bool is_stdin = strcmp(path, "-") == 0;
+    const char *label = pl_file_label(path);
+    FILE *stream = is_stdin ? stdin : fopen(path, "rb");
+    if (stream == NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: expected a %s file, found none to read: %s", label,
+                       kind->noun, strerror(errno));
+    }
+    const pl_status status = read_all(kind, stream, label, text, length, error);
     if (!is_stdin) {
         fclose(stream);
     }
+    return status;
+}
+
+pl_status pl_file_read_open(const pl_file_kind *kind, int descriptor, const char *label,
+                            char **text, size_t *length, pl_error *error)
+{
+    FILE *stream = fdopen(descriptor, "rb");
+    if (stream == NULL) {
+        close(descriptor);
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", label);
+    }
+    const pl_status status = read_all(kind, stream, label, text, length, error);
+    fclose(stream);
     return status;
 }

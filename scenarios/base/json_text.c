@@ -257,6 +257,9 @@ pl_status pl_json_read_text(const pl_json_kind *kind, const char *text, size_t l
         return pl_fail(error, PL_BAD_INPUT, "%s: expected at most %zu bytes, found %zu", label,
                        kind->most_bytes, length);
     }
+    const size_t mark = pl_byte_order_mark(text, length);
+    text += mark;
+    length -= mark;
     if (is_all_blank(text, length)) {
         return fail_at_offset(text, 0, label, kind->noun,
                               "expected a JSON object, found an empty file", error);

@@ -1,10 +1,9 @@
 #include "name_index.h"
 
-#include "hash.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 
 /* The name of an item. */
 static const char *name_of(const pl_name_index *index, int item)
@@ -24,10 +23,54 @@ static pl_name_slot *find_slot(const pl_name_index *index, const char *name, uin
     return &index->slots[place];
 }
 
-static uint32_t hash_of(const char *name)
+static uint64_t rotate(uint64_t x, int places)
 {
-    const uint64_t hash = pl_hash_text(PL_HASH_START, name);
+    return x << places | x >> (64 - places);
+}
+
+static void sip_round(uint64_t v[4])
+{
+    v[0] += v[1];
+    v[2] += v[3];
+    v[1] = rotate(v[1], 13) ^ v[0];
+    v[3] = rotate(v[3], 16) ^ v[2];
+    v[0] = rotate(v[0], 32);
+    v[2] += v[1];
+    v[0] += v[3];
+    v[1] = rotate(v[1], 17) ^ v[2];
+    v[3] = rotate(v[3], 21) ^ v[0];
+    v[2] = rotate(v[2], 32);
+}
+
+/* SipHash-1-3: Aumasson and Bernstein, SipHash: a fast short-input PRF, 2012. */
+static uint32_t hash_of(const pl_name_index *index, const char *name)
+{
+    const size_t length = strlen(name);
+    uint64_t v[4] = {
+        index->key[0] ^ UINT64_C(0x736f6d6570736575), index->key[1] ^ UINT64_C(0x646f72616e646f6d),
+        index->key[0] ^ UINT64_C(0x6c7967656e657261), index->key[1] ^ UINT64_C(0x7465646279746573)};
+    for (size_t at = 0; at <= length; at += 8) {
+        uint64_t word = at + 8 > length ? (uint64_t)length << 56 : 0;
+        memcpy(&word, name + at, length - at < 8 ? length - at : 8);
+        v[3] ^= word;
+        sip_round(v);
+        v[0] ^= word;
+    }
+    v[2] ^= 0xff;
+    for (int i = 0; i < 3; ++i) {
+        sip_round(v);
+    }
+    const uint64_t hash = v[0] ^ v[1] ^ v[2] ^ v[3];
     return (uint32_t)(hash ^ hash >> 32);
+}
+
+/* Where the system has no random numbers, addresses serve, which it draws for each process. */
+static void draw_key(pl_name_index *index, const void *address)
+{
+    if (getrandom(index->key, sizeof index->key, GRND_NONBLOCK) != sizeof index->key) {
+        index->key[0] = (uint64_t)(uintptr_t)address;
+        index->key[1] = (uint64_t)(uintptr_t)&index;
+    }
 }
 
 pl_status pl_name_index_create(const char *first_name, size_t stride, int count,
@@ -45,9 +88,10 @@ pl_status pl_name_index_create(const char *first_name, size_t stride, int count,
     if (slots == NULL) {
         return PL_NO_MEMORY;
     }
-    *index = (pl_name_index){first_name, stride, count, -1, slots, size - 1};
+    *index = (pl_name_index){first_name, stride, count, -1, slots, size - 1, {0, 0}};
+    draw_key(index, slots);
     for (int i = 0; i < count; ++i) {
-        const uint32_t hash = hash_of(name_of(index, i));
+        const uint32_t hash = hash_of(index, name_of(index, i));
         pl_name_slot *slot = find_slot(index, name_of(index, i), hash);
         if (slot->number == 0) {
             *slot = (pl_name_slot){hash, i + 1};
@@ -66,7 +110,7 @@ void pl_name_index_free(pl_name_index *index)
 
 int pl_name_index_find(const pl_name_index *index, const char *name)
 {
-    return index->slots == NULL ? -1 : find_slot(index, name, hash_of(name))->number - 1;
+    return index->slots == NULL ? -1 : find_slot(index, name, hash_of(index, name))->number - 1;
 }
 
 int pl_name_index_duplicate(const pl_name_index *index)

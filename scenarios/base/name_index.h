@@ -13,7 +13,8 @@ typedef struct pl_name_slot {
     int number;    /* 1 + the number of the item; 0: there is none */
 } pl_name_slot;
 
-/* An open-addressed hash table of names. */
+/* An open-addressed hash table of names. Its hash has a random key, so that no list of names can be
+ * chosen to fall into one place. */
 typedef struct pl_name_index {
     const char *first_name; /* borrowed, as all names */
     size_t stride;
@@ -21,6 +22,7 @@ typedef struct pl_name_index {
     int duplicate;       /* the lowest number of an item whose name an earlier item has; -1: none */
     pl_name_slot *slots; /* (mask + 1), a power of two, at most half of them used */
     uint32_t mask;
+    uint64_t key[2];
 } pl_name_index;
 
 /* Makes an index of `count` items, `stride` bytes apart, whose name begins at `first_name` and ends

@@ -32,7 +32,7 @@ bool pl_mesh_is_closed(const pl_polyhedron *polyhedron);
  * other, or lie in one plane, face the same way and overlap, by more than the tolerance.
  * Triangles with a common edge never do. The surface must be closed, each component of positive
  * volume. O(n log n) where triangles are small next to the whole; up to O(n^2) where the boxes
- * around them overlap, as those of a fan of very many do, but within PL_MAX_NEAR_TRIANGLES. */
+ * around them overlap, as those of a fan of very many do, but within pl_mesh_most_near. */
 bool pl_mesh_check_crossing(const pl_mesh_tree *tree, int triangle_count,
                             pl_diagnostic *diagnostic);
 

@@ -198,11 +198,11 @@ bool pl_mesh_check_crossing(const pl_mesh_tree *tree, int triangle_count, pl_dia
 {
     const double tolerance = pl_mesh_tolerance(tree);
     const int(*triangles)[3] = tree->triangles;
-    long left = PL_MAX_NEAR_TRIANGLES;
+    long left = pl_mesh_most_near(triangle_count);
     for (int t = 0; t < triangle_count; ++t) {
         const int other = find_crossing(tree, t, tolerance, &left);
         if (left == 0) {
-            return pl_diagnose_near_triangles(diagnostic);
+            return pl_mesh_diagnose_near(diagnostic);
         }
         if (other >= 0) {
             pl_path_push_key(&diagnostic->path, "triangles");

@@ -231,7 +231,7 @@ static bool find_depth(nesting *n, int c, bool *is_cavity, pl_diagnostic *diagno
         }
     }
     if (n->left <= 0) {
-        return pl_diagnose_near_triangles(diagnostic);
+        return pl_mesh_diagnose_near(diagnostic);
     }
     for (int d = 0; d < n->surface_count; ++d) {
         if (d != c && n->near[d] == points) {
@@ -335,7 +335,7 @@ bool pl_mesh_turn_cavities(const pl_mesh_tree *tree, int vertex_count, int (*tri
                  .surface = surface,
                  .surface_count = surface_count,
                  .tolerance = pl_mesh_tolerance(tree),
-                 .left = PL_MAX_NEAR_TRIANGLES};
+                 .left = pl_mesh_most_near(triangle_count)};
     bool *is_cavity = calloc((size_t)surface_count, sizeof *is_cavity);
     bool right = (is_cavity != NULL && create_nesting(&n, vertex_count, triangle_count)) ||
                  pl_diagnose_no_memory(diagnostic);

@@ -134,12 +134,16 @@ double pl_mesh_tolerance(const pl_mesh_tree *tree)
     return 1e-9 * size + 16 * DBL_EPSILON * largest;
 }
 
-bool pl_diagnose_near_triangles(pl_diagnostic *diagnostic)
+long pl_mesh_most_near(int triangle_count)
+{
+    return 65536 + 512L * triangle_count;
+}
+
+bool pl_mesh_diagnose_near(pl_diagnostic *diagnostic)
 {
     return pl_diagnose_field(diagnostic, "triangles",
-                             "expected triangles of which at most %ld pairs are near each other, "
-                             "found more",
-                             PL_MAX_NEAR_TRIANGLES);
+                             "expected triangles that are near 512 others on average at most, "
+                             "found them near more");
 }
 
 pl_mesh_search pl_mesh_search_begin(const pl_mesh_tree *tree, const double low[3],

@@ -37,11 +37,12 @@ void pl_mesh_box(const pl_mesh_tree *tree, int t, double low[3], double high[3])
  * coordinates. */
 double pl_mesh_tolerance(const pl_mesh_tree *tree);
 
-/* The most triangles that a check of a mesh looks at near others, each time that it does. */
-#define PL_MAX_NEAR_TRIANGLES (1L << 28)
+/* How many triangles a check of a mesh may look at near others, so that its time is bounded: a fan
+ * of 4096 triangles has as many. */
+long pl_mesh_most_near(int triangle_count);
 
 /* Reports that there are more. Returns false. */
-bool pl_diagnose_near_triangles(pl_diagnostic *diagnostic);
+bool pl_mesh_diagnose_near(pl_diagnostic *diagnostic);
 
 enum { PL_MESH_DEEPEST = 64 };
 

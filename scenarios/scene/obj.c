@@ -2,8 +2,10 @@
 
 #include "base/array.h"
 #include "base/diagnostic.h"
+#include "base/file_beneath.h"
 #include "base/file_text.h"
 #include "base/number.h"
+#include "base/text_buffer.h"
 #include "obj_faces.h"
 #include "polyhedron.h"
 
@@ -20,6 +22,7 @@ typedef struct scanner {
     int line; /* from 1 */
     const char *label;
     pl_error *error;
+    bool is_obj; /* a vertex was read: words of the text may be shown */
 } scanner;
 
 typedef struct obj_word {
@@ -92,10 +95,14 @@ static bool word_is(obj_word word, const char *text)
     return word.length == strlen(text) && memcmp(word.text, text, word.length) == 0;
 }
 
-/* PL_BAD_INPUT: LABEL:LINE: expected ..., found the word. */
+/* PL_BAD_INPUT: LABEL:LINE: expected ..., found the word, or what stands for it. */
 static pl_status fail_by_word(const scanner *s, int line, const char *expected, obj_word found)
 {
     char copy[PL_QUOTED_SIZE], quoted[PL_QUOTED_SIZE];
+    if (!s->is_obj && found.length > 0) {
+        return pl_fail(s->error, PL_BAD_INPUT, "%s:%d: expected %s, found another word", s->label,
+                       line, expected);
+    }
     const size_t kept = found.length < sizeof copy - 1 ? found.length : sizeof copy - 1;
     memcpy(copy, found.text, kept);
     copy[kept] = '\0';
@@ -152,6 +159,7 @@ static pl_status read_vertex(reader *r)
         obj->vertices[obj->vertex_count][k] = numbers[k] + 0.0; /* no -0: it is the same place */
     }
     ++obj->vertex_count;
+    r->scan.is_obj = true;
     return PL_OK;
 }
 
@@ -285,10 +293,7 @@ static pl_status read_line(reader *r)
 
 static pl_status read_lines(reader *r)
 {
-    static const char byte_order_mark[] = "\xEF\xBB\xBF";
-    if (r->scan.end - r->scan.at >= 3 && memcmp(r->scan.at, byte_order_mark, 3) == 0) {
-        r->scan.at += 3;
-    }
+    r->scan.at += pl_byte_order_mark(r->scan.at, (size_t)(r->scan.end - r->scan.at));
     do {
         const pl_status status = read_line(r);
         if (status != PL_OK) {
@@ -323,20 +328,6 @@ pl_status pl_obj_read_text(const char *text, size_t length, const char *label, p
     return status;
 }
 
-pl_status pl_obj_read_file(const char *path, pl_obj *obj, pl_error *error)
-{
-    static const pl_file_kind kind = {.noun = "Wavefront .obj", .most_bytes = PL_MAX_SCENE_BYTES};
-    char *text = NULL;
-    size_t length = 0;
-    *obj = (pl_obj){.vertices = NULL};
-    pl_status status = pl_file_read(&kind, path, &text, &length, error);
-    if (status == PL_OK) {
-        status = pl_obj_read_text(text, length, pl_file_label(path), obj, error);
-        free(text);
-    }
-    return status;
-}
-
 void pl_obj_free(pl_obj *obj)
 {
     free(obj->vertices);
@@ -362,19 +353,48 @@ static pl_status fail_by(const pl_diagnostic *diagnostic, const pl_obj *obj, con
     return pl_fail(error, PL_BAD_INPUT, "%s: %s", path, diagnostic->text);
 }
 
-pl_status pl_polyhedron_of_file(const char *path, pl_polyhedron **polyhedron, pl_error *error)
+/* Reads the file below the folder. */
+static pl_status read_file(const char *folder, const char *path, const char *label, char **text,
+                           size_t *length, pl_error *error)
+{
+    static const pl_file_kind kind = {.noun = "Wavefront .obj", .most_bytes = PL_MAX_SCENE_BYTES};
+    int descriptor = -1;
+    const pl_status status =
+        pl_file_open_beneath(kind.noun, folder, path, label, &descriptor, error);
+    return status != PL_OK ? status
+                           : pl_file_read_open(&kind, descriptor, label, text, length, error);
+}
+
+static pl_status make_solid(const char *text, size_t length, const char *label,
+                            pl_polyhedron **polyhedron, pl_error *error)
 {
     pl_obj obj;
-    pl_status status = pl_obj_read_file(path, &obj, error);
-    if (status != PL_OK) {
-        return status;
-    }
     pl_diagnostic diagnostic = {.status = PL_OK};
-    if (!pl_polyhedron_of_mesh((const double(*)[3])obj.vertices, obj.vertex_count,
-                               (const int(*)[3])obj.triangles, obj.triangle_count, polyhedron,
-                               &diagnostic)) {
-        status = fail_by(&diagnostic, &obj, path, error);
+    pl_status status = pl_obj_read_text(text, length, label, &obj, error);
+    if (status == PL_OK && !pl_polyhedron_of_mesh((const double(*)[3])obj.vertices,
+                                                  obj.vertex_count, (const int(*)[3])obj.triangles,
+                                                  obj.triangle_count, polyhedron, &diagnostic)) {
+        status = fail_by(&diagnostic, &obj, label, error);
     }
     pl_obj_free(&obj);
+    return status;
+}
+
+pl_status pl_polyhedron_of_file(const char *folder, const char *path, pl_polyhedron **polyhedron,
+                                size_t *length, pl_error *error)
+{
+    pl_text_buffer label = {0};
+    char *text = NULL;
+    pl_text_add(&label, path[0] == '/' ? "" : folder);
+    pl_text_add(&label, path);
+    if (label.failed) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
+    }
+    pl_status status = read_file(folder, path, label.data, &text, length, error);
+    if (status == PL_OK) {
+        status = make_solid(text, *length, label.data, polyhedron, error);
+        free(text);
+    }
+    pl_text_free(&label);
     return status;
 }

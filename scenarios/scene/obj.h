@@ -28,18 +28,18 @@ typedef struct pl_obj {
 } pl_obj;
 
 /* Reads the text of an .obj file; `label` stands for the file's name in messages. PL_BAD_INPUT
- * says FILE:LINE: what was expected, what was found; *obj is then empty. The caller frees it. */
+ * says FILE:LINE: what was expected, what was found; *obj is then empty. The caller frees it.
+ * Before the first vertex no word of the text is shown: it may be another's file. */
 pl_status pl_obj_read_text(const char *text, size_t length, const char *label, pl_obj *obj,
                            pl_error *error);
-
-/* Reads an .obj file ("-" is standard input) as pl_obj_read_text does its text. */
-pl_status pl_obj_read_file(const char *path, pl_obj *obj, pl_error *error);
 
 /* Frees the arrays and empties *obj. */
 void pl_obj_free(pl_obj *obj);
 
-/* Makes the solid within the faces of a Wavefront .obj file; the caller frees *polyhedron by
- * pl_polyhedron_free. PL_BAD_INPUT says PATH:LINE: what was expected, what was found. */
-pl_status pl_polyhedron_of_file(const char *path, pl_polyhedron **polyhedron, pl_error *error);
+/* Makes the solid within the faces of a Wavefront .obj file below `folder` (file_beneath.h); the
+ * caller frees *polyhedron by pl_polyhedron_free. *length is that of the file in bytes.
+ * PL_BAD_INPUT says PATH:LINE: what was expected, what was found. */
+pl_status pl_polyhedron_of_file(const char *folder, const char *path, pl_polyhedron **polyhedron,
+                                size_t *length, pl_error *error);
 
 #endif

@@ -441,6 +441,9 @@ static bool read_in_parts(const char *text, size_t length, const request *wanted
 {
     pl_json_items bodies;
     size_t rest_length = 0;
+    const size_t mark = pl_byte_order_mark(text, length);
+    text += mark;
+    length -= mark;
     char *rest = length > scene_kind.most_bytes
                      ? NULL
                      : pl_json_take_out(text, length, "bodies", &bodies, &rest_length);

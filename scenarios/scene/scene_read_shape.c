@@ -12,9 +12,16 @@
 #include <string.h>
 
 /* The scene takes `made`, which becomes the shape's. */
-static bool keep(const pl_shape_reader *r, const char *name, pl_polyhedron *made, pl_shape *shape)
+static bool keep(pl_shape_reader *r, const char *name, pl_polyhedron *made, pl_shape *shape)
 {
     snprintf(made->name, sizeof made->name, "%s", name);
+    r->triangles += made->triangle_count;
+    if (r->triangles > PL_MAX_SCENE_TRIANGLES) {
+        pl_polyhedron_free(made);
+        return pl_diagnose(r->diagnostic,
+                           "expected at most %d triangles of hulls and meshes together, found more",
+                           PL_MAX_SCENE_TRIANGLES);
+    }
     if (pl_scene_add_polyhedron(r->scene, made, NULL) != PL_OK) {
         pl_polyhedron_free(made);
         return pl_diagnose_no_memory(r->diagnostic);
@@ -23,8 +30,7 @@ static bool keep(const pl_shape_reader *r, const char *name, pl_polyhedron *made
     return true;
 }
 
-static bool read_hull(const pl_shape_reader *r, const json_t *json, const char *name,
-                      pl_shape *shape)
+static bool read_hull(pl_shape_reader *r, const json_t *json, const char *name, pl_shape *shape)
 {
     double(*points)[3] = NULL;
     int count = 0;
@@ -85,7 +91,7 @@ static bool read_inline_mesh(const json_t *json, pl_polyhedron **made, pl_diagno
     return right;
 }
 
-static bool read_mesh_file(const pl_shape_reader *r, const char *file, pl_polyhedron **made)
+static bool read_mesh_file(pl_shape_reader *r, const char *file, pl_polyhedron **made)
 {
     if (r->folder == NULL) {
         return pl_diagnose_field(
@@ -93,25 +99,23 @@ static bool read_mesh_file(const pl_shape_reader *r, const char *file, pl_polyhe
             "expected vertices and triangles, since a scene from memory has no "
             "folder, found a file");
     }
-    /* "-" alone would be standard input. */
-    const char *folder = file[0] == '/' ? "" : r->folder[0] == '\0' ? "./" : r->folder;
-    const size_t size = strlen(folder) + strlen(file) + 1;
-    char *path = malloc(size);
-    if (path == NULL) {
-        return pl_diagnose_no_memory(r->diagnostic);
-    }
-    snprintf(path, size, "%s%s", folder, file);
     pl_error error = {.status = PL_OK};
-    const pl_status status = pl_polyhedron_of_file(path, made, &error);
-    free(path);
+    size_t length = 0;
+    const pl_status status = pl_polyhedron_of_file(r->folder, file, made, &length, &error);
+    r->file_bytes += length;
+    if (status == PL_OK && r->file_bytes > PL_MAX_SCENE_BYTES) {
+        pl_polyhedron_free(*made);
+        return pl_diagnose_field(r->diagnostic, "file",
+                                 "expected files of at most %d MiB together, found more",
+                                 PL_MAX_SCENE_BYTES >> 20);
+    }
     if (status == PL_NO_MEMORY) {
         return pl_diagnose_no_memory(r->diagnostic);
     }
     return status == PL_OK || pl_diagnose_field(r->diagnostic, "file", "%s", error.message);
 }
 
-static bool read_mesh(const pl_shape_reader *r, const json_t *json, const char *name,
-                      pl_shape *shape)
+static bool read_mesh(pl_shape_reader *r, const json_t *json, const char *name, pl_shape *shape)
 {
     const char *file = NULL;
     const bool has_vertices =
@@ -133,8 +137,7 @@ static bool read_mesh(const pl_shape_reader *r, const json_t *json, const char *
 }
 
 /* Reads the shape that `json` describes. A polyhedron gets the name. */
-static bool read_shape(const pl_shape_reader *r, const json_t *json, const char *name,
-                       pl_shape *shape)
+static bool read_shape(pl_shape_reader *r, const json_t *json, const char *name, pl_shape *shape)
 {
     pl_diagnostic *diagnostic = r->diagnostic;
     int kind = 0;
@@ -164,7 +167,7 @@ static bool read_shape(const pl_shape_reader *r, const json_t *json, const char 
 }
 
 /* One of "shapes"; the path stands at it. */
-static bool read_named_shape(const pl_shape_reader *r, const char *name, const json_t *json,
+static bool read_named_shape(pl_shape_reader *r, const char *name, const json_t *json,
                              pl_named_shape *named)
 {
     r->diagnostic->at_key = true;
@@ -209,7 +212,7 @@ bool pl_read_shapes(pl_shape_reader *r, const json_t *scene)
     return true;
 }
 
-bool pl_read_body_shape(const pl_shape_reader *r, const json_t *body, pl_shape *shape)
+bool pl_read_body_shape(pl_shape_reader *r, const json_t *body, pl_shape *shape)
 {
     const json_t *json = json_object_get(body, "shape");
     if (json_is_string(json)) {

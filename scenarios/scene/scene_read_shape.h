@@ -22,13 +22,15 @@ typedef struct pl_shape_reader {
     pl_named_shape *shapes; /* (index.count) */
     pl_name_index index;
     pl_diagnostic *diagnostic;
+    size_t file_bytes; /* of the files read */
+    long triangles;    /* of the polyhedra read */
 } pl_shape_reader;
 
 /* Reads "shapes" of a scene, which is optional. False after a diagnostic. */
 bool pl_read_shapes(pl_shape_reader *r, const json_t *scene);
 
 /* Reads "shape" of a body: an object, or the name of one of "shapes". False after a diagnostic. */
-bool pl_read_body_shape(const pl_shape_reader *r, const json_t *body, pl_shape *shape);
+bool pl_read_body_shape(pl_shape_reader *r, const json_t *body, pl_shape *shape);
 
 /* Frees the shapes and the index. The polyhedra stay the scene's. */
 void pl_shape_reader_free(pl_shape_reader *r);

@@ -1,5 +1,6 @@
 /* Reads any bytes as a scene file. They are accepted, and then JSON, or refused with the line and
  * column of the fault. An accepted scene that is written, read and written again gives the same text. */
+#include "base/file_text.h"
 #include "fuzz.h"
 #include "plumb/scenario.h"
 
@@ -17,7 +18,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                    "a refusal has a line and a column");
         return 0;
     }
-    json_t *json = json_loadb((const char *)data, size,
+    const size_t mark = pl_byte_order_mark((const char *)data, size);
+    json_t *json = json_loadb((const char *)data + mark, size - mark,
                               JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, NULL);
     fuzz_check(json != NULL, "an accepted text is JSON");
     json_decref(json);

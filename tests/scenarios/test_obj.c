@@ -22,7 +22,7 @@ static pl_polyhedron *read_file(const char *name)
     pl_polyhedron *made = NULL;
     pl_error error = {.message = ""};
     snprintf(path, sizeof path, FILES "%s.obj", name);
-    if (pl_polyhedron_of_file(path, &made, &error) != PL_OK) {
+    if (read_obj(path, &made, &error) != PL_OK) {
         fail_msg("%s", error.message);
     }
     return made;
@@ -56,7 +56,7 @@ static void check_box(const box_form *form)
     pl_polyhedron *made = NULL;
     pl_error error = {.message = ""};
     write_obj(form->name, form->text, strlen(form->text), path);
-    const pl_status status = pl_polyhedron_of_file(path, &made, &error);
+    const pl_status status = read_obj(path, &made, &error);
     remove(path);
     if (status != PL_OK) {
         fail_msg("%s", error.message);
@@ -175,9 +175,9 @@ static void test_missing_and_foreign_files_are_refused(void **state)
     (void)state;
     pl_polyhedron *made = NULL;
     pl_error error = {.message = ""};
-    assert_int_equal(pl_polyhedron_of_file(FILES "none.obj", &made, &error), PL_BAD_INPUT);
+    assert_int_equal(read_obj(FILES "none.obj", &made, &error), PL_BAD_INPUT);
     assert_contains(error.message, "none.obj: expected a Wavefront .obj file, found none to read");
-    assert_int_equal(pl_polyhedron_of_file(FILES, &made, &error), PL_BAD_INPUT);
+    assert_int_equal(read_obj(FILES, &made, &error), PL_BAD_INPUT);
     assert_contains(error.message, "expected a Wavefront .obj file, found a directory");
     assert_null(made);
 }

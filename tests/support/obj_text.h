@@ -3,6 +3,7 @@
 #define PLUMB_TEST_OBJ_TEXT_H
 
 #include "check.h"
+#include "scene/obj.h"
 
 #include <stdio.h>
 #include <unistd.h>
@@ -28,6 +29,13 @@ static inline void write_obj(const char *name, const char *text, size_t length, 
     assert_non_null(file);
     assert_int_equal(fwrite(text, 1, length, file), length);
     assert_int_equal(fclose(file), 0);
+}
+
+/* Makes the solid of a file, given by its whole path. */
+static inline pl_status read_obj(const char *path, pl_polyhedron **made, pl_error *error)
+{
+    size_t length = 0;
+    return pl_polyhedron_of_file("/", path, made, &length, error);
 }
 
 #endif
