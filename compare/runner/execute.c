@@ -171,6 +171,18 @@ static bool has_descriptors(const execution *e)
     return lowest >= 0 && (rlim_t)lowest + NEEDED <= limit.rlim_cur;
 }
 
+/* The result of the run that the journal has, with the positions that belong to it: a new reference;
+ * NULL: the run is to be made. */
+static json_t *recall(const execution *e, const slot *s, const json_t *identity)
+{
+    json_t *result = pl_journal_take(e->def->journal, pl_json_get_text(identity, "run"));
+    if (result != NULL && s->positions != NULL && access(s->positions, R_OK) != 0) {
+        json_decref(result);
+        return NULL;
+    }
+    return result;
+}
+
 /* Starts the next run that is due in a free slot. */
 static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
 {
