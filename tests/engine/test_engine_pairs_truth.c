@@ -1,8 +1,7 @@
 /* References of the narrow phase's tests, against closed forms, sweeps, each other and libccd. */
+#include "ccd_solid.h"
 #include "mesh_truth.h"
 #include "shape_pairs_trial.h"
-
-#include <ccd/ccd.h>
 
 static const shape_pool *pool;
 
@@ -205,29 +204,6 @@ static void test_parting_along_normal_parts_surfaces_as_much(void **state)
 }
 
 /* ---- libccd ---- */
-
-typedef struct ccd_solid {
-    const placed *p;
-    pe_vec3 origin;
-} ccd_solid;
-
-static void ccd_support(const void *object, const ccd_vec3_t *dir, ccd_vec3_t *out)
-{
-    const ccd_solid *s = object;
-    const placed *p = s->p;
-    pe_vec3 d = pe_unrotate(&p->pose.rotation, pe_v3(dir->v[0], dir->v[1], dir->v[2])), v;
-    if (p->shape.kind == PE_SHAPE_CYLINDER) {
-        double across = sqrt(d.x * d.x + d.y * d.y), f = across > 0 ? p->shape.radius / across : 0;
-        v = pe_v3(f * d.x, f * d.y, d.z < 0 ? -p->shape.half_height : p->shape.half_height);
-    } else {
-        v = p->solid->vertices[0];
-        for (int i = 1; i < p->solid->vertex_count; ++i) {
-            v = pe_dot(d, p->solid->vertices[i]) > pe_dot(d, v) ? p->solid->vertices[i] : v;
-        }
-    }
-    v = pe_add(pe_sub(p->pose.position, s->origin), pe_rotate(&p->pose.rotation, v));
-    ccdVec3Set(out, v.x, v.y, v.z);
-}
 
 /* The result of libccd is only compared if its depth is that along its direction. */
 static void test_truth_equals_libccd_where_its_depth_is_proven(void **state)

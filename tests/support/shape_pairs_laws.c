@@ -31,7 +31,7 @@ static bool query(trial *t, manifolds *found, const pe_pair_point **point, pe_ve
 
 /* ---- Truth ---- */
 
-static bool equals_the_truth(trial *t)
+bool equals_the_truth(trial *t)
 {
     manifolds found;
     const pe_pair_point *point;
@@ -64,7 +64,7 @@ static void test_depth_and_normal_equal_the_truth(void **state)
     assert_at_most(unproven, 0.1);
 }
 
-static bool equals_brute_force(trial *t)
+bool equals_brute_force(trial *t)
 {
     manifolds found;
     const pe_pair_point *point;
@@ -158,7 +158,7 @@ static bool is_point_sound(trial *t, const pe_pair_manifold *manifold, const pe_
            is_near(t, "point of b outside it by", off_the_solid(&t->pair.b, on_b), 0, within);
 }
 
-static bool has_sound_points(trial *t)
+bool has_sound_points(trial *t)
 {
     double margin = t->margin * check_uniform(&t->random, 0.5, 1);
     manifolds found = collide(&t->pair.a, &t->pair.b, margin);
@@ -247,7 +247,7 @@ static bool is_the_same(trial *t, const manifolds *other, double separation, pe_
                    pair_separation_along(&t->pair, other_normal), separation, 2 * within);
 }
 
-static bool is_symmetric(trial *t)
+bool is_symmetric(trial *t)
 {
     manifolds one;
     const pe_pair_point *point;

@@ -135,6 +135,12 @@ double tolerance_of(const pair *p)
     return meets_at_edges(p) ? pe_max(exact, 1e-4 * p->size) : exact;
 }
 
+void trial_set(trial *t)
+{
+    t->margin = margin_of(t);
+    t->tolerance = tolerance_of(&t->pair);
+}
+
 typedef struct named_law {
     const char *name;
     law *holds;
@@ -149,8 +155,7 @@ static int run_pair(trial *t, const named_law *run, pe_shape_kind a, pe_shape_ki
         t->random.state = seed_of(a, b, i);
         t->pose = (pair_pose)(i % POSE_COUNT);
         t->pair = random_pair(t->pool, a, b, t->pose, &t->random, run->gap);
-        t->margin = margin_of(t);
-        t->tolerance = tolerance_of(&t->pair);
+        trial_set(t);
         if (!run->holds(t)) {
             failures += 1;
             by_pose[t->pose] += 1;

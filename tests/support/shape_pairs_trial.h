@@ -18,6 +18,9 @@ typedef struct trial {
     int skipped; /* of the trials of the pair of kinds: where the law does not apply */
 } trial;
 
+/* Sets the margin and the tolerance of the trial's pair. */
+void trial_set(trial *t);
+
 /* Returns whether it holds. */
 typedef bool law(trial *t);
 

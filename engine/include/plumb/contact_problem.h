@@ -92,7 +92,8 @@ bool pe_contact_problem_is_valid(const pe_contact_problem *problem, pe_problem_f
 /* Captures the contact problems that pe_world_step(world, dt) would solve next, dt in s: one for
  * each island with a contact, in the step's order, warm starts included. The world is not changed:
  * the next step gives the same bits with and without a capture. The caller gives *problems to
- * pe_contact_problems_destroy. Without contacts *count is 0. */
+ * pe_contact_problems_destroy. Without contacts *count is 0. PE_BAD_ARGUMENT for a dt out of range;
+ * PE_NO_MEMORY; PE_NOT_FINITE where a problem would not be valid: the velocities are absurd. */
 pe_status pe_world_capture_problems(pe_world *world, double dt, pe_contact_problem ***problems,
                                     int *count, pe_error *error);
 

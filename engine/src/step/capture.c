@@ -54,11 +54,16 @@ static pe_status capture_island(pe_world *world, const pe_interval *interval,
     const pe_problem *problem = &built.problem;
     status = pe_contact_problem_create(problem->body_count, problem->manifold_count,
                                        problem->point_count, &world->allocator, captured, error);
-    if (status == PE_OK) {
-        copy_bodies(world, &built, *captured);
-        copy_contacts(problem, *captured);
+    if (status != PE_OK) {
+        return status;
     }
-    return status;
+    copy_bodies(world, &built, *captured);
+    copy_contacts(problem, *captured);
+    pe_problem_fault fault;
+    return pe_contact_problem_is_valid(*captured, &fault)
+               ? PE_OK
+               : pe_fail(error, PE_NOT_FINITE, "%s[%d].%s: %s", fault.list, fault.index,
+                         fault.field, fault.text);
 }
 
 /* The problems of all islands, with the contacts as they are. */

@@ -81,7 +81,7 @@ pe_status pe_list_apart(pe_step *step, const pe_interval *interval, double end,
             const pe_contact_place acts = acting_place(manifold, problem->point[j].s);
             const bool transported =
                 island->end != NULL && pe_dot(island->end[j].normal, island->end[j].normal) > 0;
-            *listed++ = (pe_contact){
+            *listed = (pe_contact){
                 .body_a = {(uint32_t)m->a, bodies[m->a].generation},
                 .body_b = {(uint32_t)m->b, bodies[m->b].generation},
                 .point = pe_add(centre, on_b ? acts.arm_b : acts.arm_a),
@@ -94,6 +94,14 @@ pe_status pe_list_apart(pe_step *step, const pe_interval *interval, double end,
                 .acts = acts,
                 .holds = transported ? island->end[j] : acts,
             };
+            if (!pe_is_finite(listed->point) || !pe_is_finite(listed->impulse)) {
+                return pe_fail(step->error, PE_NOT_FINITE,
+                               "bodies (%d, %u) and (%d, %u): expected finite contacts within a "
+                               "step of %g s, found an impulse of (%g, %g, %g)",
+                               m->a, bodies[m->a].generation, m->b, bodies[m->b].generation,
+                               step->dt, point->impulse.x, point->impulse.y, point->impulse.z);
+            }
+            listed += 1;
             world->apart_count += 1;
         }
     }
