@@ -8,17 +8,16 @@
  * only. */
 #define _POSIX_C_SOURCE 200809L
 
-#include "base/memory.h"
 #include "base/vec3.h"
+#include "metered_allocator.h"
 #include "plumb/scenario.h"
 
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-enum { MOST_WORLDS = 8, HEADER = 64 };
+enum { MOST_WORLDS = 8 };
 
 static const char *const phases[] = {"broad", "narrow", "contacts", "islands",
                                      "solve", "free",   "correct"};
@@ -30,37 +29,6 @@ static void require(bool good, const char *what)
         fprintf(stderr, "bench_step: %s\n", what);
         exit(2);
     }
-}
-
-/* ---- Memory ---- */
-
-typedef struct meter {
-    atomic_size_t now, most; /* bytes */
-} meter;
-
-static void *meter_allocate(void *context, size_t size)
-{
-    meter *m = context;
-    const pe_allocator below = pe_allocator_default();
-    char *memory = below.allocate(below.context, size + HEADER);
-    if (memory == NULL) {
-        return NULL;
-    }
-    memcpy(memory, &size, sizeof size);
-    size_t now = atomic_fetch_add(&m->now, size) + size;
-    for (size_t most = m->most;
-         now > most && !atomic_compare_exchange_weak(&m->most, &most, now);) {}
-    return memory + HEADER;
-}
-
-static void meter_release(void *context, void *memory)
-{
-    meter *m = context;
-    size_t size;
-    memcpy(&size, (char *)memory - HEADER, sizeof size);
-    atomic_fetch_sub(&m->now, size);
-    const pe_allocator below = pe_allocator_default();
-    below.release(below.context, (char *)memory - HEADER);
 }
 
 /* ---- The scene ---- */

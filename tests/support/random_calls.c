@@ -15,6 +15,11 @@ enum { MOST_BODIES = 12, MOST_STEPS = 24, MOST_GEOMETRIES = 4, MOST_MATERIALS = 
  * or the rotation within the step may be more. m, rad. */
 static const double GAIN = 0.02, FAR = 1e3, RESOLVED = 0.5;
 
+/* Penetration of bodies that do not overlap, m: pushing out more is work. */
+static const double TOUCHING = 1e-5;
+
+enum { ENOUGH_ITERATIONS = 200 };
+
 /* No point of a body that falls asleep is faster, m/s. */
 static const double SLEEP_SPEED = 0.05;
 
@@ -28,7 +33,8 @@ typedef struct run {
     double mass[MOST_BODIES];
     bool twisted[MOST_BODIES], is_static[MOST_BODIES];
     pe_body_state before[MOST_BODIES], after[MOST_BODIES];
-    bool overlap; /* since the last step bodies may overlap deeply */
+    bool overlap; /* bodies may overlap since the last step */
+    bool solves;  /* the world may iterate as often as it needs to */
     pe_body_id dead;
     pe_geometry_id geometries[MOST_GEOMETRIES];
     bool convex[MOST_GEOMETRIES];
@@ -145,6 +151,7 @@ static void make_world(run *r, pe_profile profile)
         expect(r, pe_world_create(&def, &r->world, NULL), PE_OK, "pe_world_create");
     }
     r->gravity = def.gravity;
+    r->solves = def.max_iterations >= ENOUGH_ITERATIONS && def.tolerance <= 1e-3;
 }
 
 static void make_material(run *r)
@@ -497,11 +504,10 @@ static void take_step(run *r)
                 check_motion(r, i, dt, stats.sleeping > 0);
             }
         }
-        const bool overlap = r->overlap || stats.overlapping > 0;
-        r->overlap = stats.overlapping > 0;
-        if (!overlap) {
+        if (!r->overlap && stats.penetration_left <= TOUCHING && r->solves) {
             check_energy(r, dt);
         }
+        r->overlap = stats.penetration_left > TOUCHING;
         check_contacts(r, dt);
     }
     if (!bad) { /* forces were applied, or dropped */

@@ -27,9 +27,9 @@ typedef struct random_calls_found {
  * - what is out of range is refused, and so is the id of a body that was destroyed;
  * - after PE_OK all states are finite, and no body has moved beyond the law of step_laws.h;
  * - after another status all states are as they were, to the bit;
- * - where no force was applied, nothing overlaps deeply and no body turns by more than half a radian or
- *   is a kilometre away, the kinetic energy grows by no more than gravity's work on the bodies that fall,
- *   and 2 % of both;
+ * - where no force was applied, nothing overlaps by more than 1e-5 m, no body turns by more than half a
+ *   radian or is a kilometre away, and the solver may iterate 200 times, the kinetic energy grows by no
+ *   more than gravity's work on the bodies that fall, and 2 % of both;
  * - contacts are of living bodies, with unit normals, finite impulses, and in the order of each body's
  *   solves;
  * - a captured problem is valid.
