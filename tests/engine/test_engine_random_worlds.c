@@ -1,5 +1,5 @@
 /* The laws of a step in random worlds, and of the public interface in random sequences of its calls: in a few
- * hundred, or in as many as the argument says. */
+ * hundred, or in as many worlds and sequences as the arguments say. */
 #include "random_calls.h"
 #include "random_worlds.h"
 
@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-static int worlds = 200;
+static int worlds = 200, sequences = 40;
 
 static void test_steps_of_random_worlds_are_bounded(void **state)
 {
@@ -35,7 +35,7 @@ static void test_random_calls_obey_the_laws(void **state)
 {
     (void)state;
     random_calls_found found = {.broken = ""};
-    for (int seed = 1; seed <= worlds; ++seed) {
+    for (int seed = 1; seed <= sequences; ++seed) {
         check_random random = {(uint64_t)seed * 0x9e3779b97f4a7c15u | 1};
         uint8_t bytes[CALL_BYTES];
         for (int i = 0; i < CALL_BYTES; ++i) {
@@ -48,19 +48,23 @@ static void test_random_calls_obey_the_laws(void **state)
             }
         }
     }
-    print_message("%d calls, %d refused; %d steps, %d undone, %d with sleep, %d with overlap; %d bodies "
-                  "destroyed, %d contacts\n",
-                  found.calls, found.refused, found.steps, found.undone, found.slept,
-                  found.overlapping, found.destroyed, found.contacts);
-    assert_true(found.steps > 10 * worlds && found.contacts > 10 * worlds);
-    assert_true(found.refused > worlds && found.undone > 0 && found.destroyed > worlds);
-    assert_true(found.overlapping > worlds);
+    print_message(
+        "%d calls, %d refused; %d steps, %d undone, %d with sleep, %d with overlap; %d bodies "
+        "destroyed, %d contacts\n",
+        found.calls, found.refused, found.steps, found.undone, found.slept, found.overlapping,
+        found.destroyed, found.contacts);
+    assert_true(found.steps > 10 * sequences && found.contacts > 10 * sequences);
+    assert_true(found.refused > sequences && found.undone > 0 && found.destroyed > sequences);
+    assert_true(found.overlapping > sequences);
 }
 
 int main(int argc, char **argv)
 {
     if (argc > 1) {
         worlds = (int)strtol(argv[1], NULL, 10);
+    }
+    if (argc > 2) {
+        sequences = (int)strtol(argv[2], NULL, 10);
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_steps_of_random_worlds_are_bounded),

@@ -52,8 +52,8 @@ static void note(windows *w, long n, double error, const meter *m)
 static void check_flat(const char *name, const windows *w, double slack)
 {
     for (int k = 0; k < WINDOWS; ++k) {
-        print_message("%s, to step %ld: error %.3g m, world %.0f bytes, resident %.0f bytes\n", name,
-                      steps * (k + 1) / WINDOWS, w->error[k], w->bytes[k], w->resident[k]);
+        print_message("%s, to step %ld: error %.3g m, world %.0f bytes, resident %.0f bytes\n",
+                      name, steps * (k + 1) / WINDOWS, w->error[k], w->bytes[k], w->resident[k]);
     }
     const int last = WINDOWS - 1;
     assert_at_most(w->error[last], 1.1 * w->error[1] + slack);

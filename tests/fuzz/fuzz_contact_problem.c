@@ -44,8 +44,7 @@ static pe_contact_problem *problem_of(const uint8_t *data, size_t size)
     if (count == 0) {
         return NULL;
     }
-    pe_contact_problem *problem =
-        problem_of_pairs(seed | 1, bodies, (const int(*)[2])pairs, count);
+    pe_contact_problem *problem = problem_of_pairs(seed | 1, bodies, (const int(*)[2])pairs, count);
     const double friction = data[9] & 1 ? 0 : data[10] / 64.0;
     for (int i = 0; i < count; ++i) {
         problem->manifolds[i].friction *= friction;
@@ -161,8 +160,7 @@ static answer solve_by_siconos(pe_contact_problem *problem)
     fuzz_check(siconos_answer(problem, SICONOS_FRICTION_3D_NSGS), "there is memory");
     fuzz_check(pe_contact_problem_solve(problem, "gauss_seidel", &look, NULL, &s, NULL) == PE_OK,
                "a valid problem is not refused");
-    const answer found =
-        answer_of(problem, (const double(*)[3])s.impulses, NULL, s.start.max);
+    const answer found = answer_of(problem, (const double(*)[3])s.impulses, NULL, s.start.max);
     pe_contact_solution_free(&s);
     return found;
 #else
@@ -194,7 +192,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     others[count++] = solve_by_siconos(problem);
     for (int i = 0; i < count && !slides; ++i) {
         if (others[i].residual <= SOLVED) {
-            fuzz_check(direct.residual <= NEARLY_SOLVED, "the direct solver solves what another one solves");
+            fuzz_check(direct.residual <= NEARLY_SOLVED,
+                       "the direct solver solves what another one solves");
             fuzz_check(difference(problem, (const double(*)[6])direct.velocities,
                                   (const double(*)[6])others[i].velocities) <=
                            SAME_VELOCITY * largest_velocity(problem),

@@ -48,7 +48,8 @@ static bool agrees_with_libccd(trial *t)
     if (gap > CERTAINLY_APART * p->size && overlap) {
         return fails(t, "separation where libccd finds an overlap", gap, 0);
     }
-    return gap >= -CERTAINLY_OVERLAP * p->size || overlap || fails(t, "overlap where libccd finds none", gap, 0);
+    return gap >= -CERTAINLY_OVERLAP * p->size || overlap ||
+           fails(t, "overlap where libccd finds none", gap, 0);
 }
 
 static void check(trial *t, const char *name, law *holds)

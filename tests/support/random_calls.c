@@ -161,8 +161,9 @@ static void make_material(run *r)
         const double friction = maybe_bad(r, within(r, 0, 2), &bad);
         const double restitution = maybe_bad(r, within(r, 0, 1), &bad);
         pe_material_id *id = &r->materials[r->material_count];
-        r->material_count += expect(r, pe_material_create(r->world, friction, restitution, id, NULL),
-                                    bad ? PE_BAD_ARGUMENT : PE_OK, "pe_material_create");
+        r->material_count +=
+            expect(r, pe_material_create(r->world, friction, restitution, id, NULL),
+                   bad ? PE_BAD_ARGUMENT : PE_OK, "pe_material_create");
     }
 }
 
@@ -170,7 +171,8 @@ static void set_pair(run *r)
 {
     if (r->material_count > 0) {
         bool bad = false;
-        const unsigned count = (unsigned)r->material_count, a = draw(r) % count, b = draw(r) % count;
+        const unsigned count = (unsigned)r->material_count, a = draw(r) % count,
+                       b = draw(r) % count;
         const double friction = maybe_bad(r, within(r, 0, 2), &bad);
         const double restitution = within(r, 0, 1);
         expect(r,
@@ -209,7 +211,9 @@ static pe_shape make_shape(run *r)
     pe_shape s = {.kind = (pe_shape_kind)(draw(r) % PE_SHAPE_COUNT), .normal = {0, 0, 1}};
     if (s.kind >= PE_SHAPE_HULL) {
         const unsigned i = r->geometry_count > 0 ? draw(r) % (unsigned)r->geometry_count : 0;
-        s.kind = r->geometry_count == 0 ? PE_SHAPE_BOX : r->convex[i] ? PE_SHAPE_HULL : PE_SHAPE_MESH;
+        s.kind = r->geometry_count == 0 ? PE_SHAPE_BOX
+                 : r->convex[i]         ? PE_SHAPE_HULL
+                                        : PE_SHAPE_MESH;
         s.geometry = r->geometries[i];
     }
     s.offset = s.kind == PE_SHAPE_PLANE ? within(r, -2, 0) : 0;
@@ -398,7 +402,8 @@ static void check_energy(run *r, double dt)
         if (r->push[i] > 0 || dt * spin > RESOLVED || pe_length(a->position) > FAR) {
             return;
         }
-        const pe_vec3 way = pe_sub(centre_of(r->world, r->ids[i], a), centre_of(r->world, r->ids[i], b));
+        const pe_vec3 way =
+            pe_sub(centre_of(r->world, r->ids[i], a), centre_of(r->world, r->ids[i], b));
         before += kinetic_energy_of(r->world, r->ids[i], b);
         after += kinetic_energy_of(r->world, r->ids[i], a);
         work += pe_max(0, r->mass[i] * pe_dot(r->gravity, way));
@@ -431,8 +436,10 @@ static void check_contacts(run *r, double dt)
     for (int i = 0; i < count && i < CONTACTS; ++i) {
         const pe_contact *c = &contacts[i];
         pe_body_state s;
-        expect(r, pe_body_get_state(r->world, c->body_a, &s, NULL), PE_OK, "a contact's body lives");
-        expect(r, pe_body_get_state(r->world, c->body_b, &s, NULL), PE_OK, "a contact's body lives");
+        expect(r, pe_body_get_state(r->world, c->body_a, &s, NULL), PE_OK,
+               "a contact's body lives");
+        expect(r, pe_body_get_state(r->world, c->body_b, &s, NULL), PE_OK,
+               "a contact's body lives");
         if (!(fabs(pe_length(c->normal) - 1) < 1e-6)) {
             breaks(r, "a normal is unit", i, pe_length(c->normal));
         }
@@ -486,7 +493,8 @@ static void take_step(run *r)
             changed |= r->ids[i].index != 0 &&
                        memcmp(&r->before[i], &r->after[i], sizeof r->before[i]) != 0;
         }
-        if (changed || error.status != status || status != (bad ? PE_BAD_ARGUMENT : PE_NOT_FINITE)) {
+        if (changed || error.status != status ||
+            status != (bad ? PE_BAD_ARGUMENT : PE_NOT_FINITE)) {
             breaks(r, "a step that fails changes nothing", -1, status);
         }
         r->found->refused += bad;
@@ -504,10 +512,11 @@ static void take_step(run *r)
                 check_motion(r, i, dt, stats.sleeping > 0);
             }
         }
-        if (!r->overlap && stats.penetration_left <= TOUCHING && r->solves) {
+        const bool overlap = stats.overlapping > 0 || stats.penetration > TOUCHING;
+        if (!r->overlap && !overlap && r->solves) {
             check_energy(r, dt);
         }
-        r->overlap = stats.penetration_left > TOUCHING;
+        r->overlap = overlap;
         check_contacts(r, dt);
     }
     if (!bad) { /* forces were applied, or dropped */

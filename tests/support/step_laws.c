@@ -46,8 +46,7 @@ unexplained_motion unexplained_motion_of(const pe_world *world, pe_body_id body,
     const double size = 2 * b->size;
     double speed = pe_max(pe_length(before->velocity), pe_length(after->velocity));
     double spin = pe_max(pe_length(before->angular_velocity), pe_length(after->angular_velocity));
-    double path =
-        pe_length(pe_sub(centre_of(world, body, after), centre_of(world, body, before)));
+    double path = pe_length(pe_sub(centre_of(world, body, after), centre_of(world, body, before)));
     double angle =
         angle_between(before->orientation, after->orientation) - dt * spin * (1 + dt * spin);
     return (unexplained_motion){(path - dt * (speed + dt * acceleration)) / size,

@@ -415,7 +415,7 @@ typedef struct pe_contact {
     pe_vec3 impulse;   /* N s, world, on B, summed over the interval */
     double begin;      /* s since the start of the step */
     double end;        /* s; equal to begin: an impact, in an instant */
-    int order;         /* of the solves of a body within the step: those of lower order acted before */
+    int order; /* of the solves of a body within the step: those of lower order acted before */
     pe_contact_place acts; /* where the impulse acted */
 
     /* Where the contact law holds for the velocities at the interval's end: the same place, or, if

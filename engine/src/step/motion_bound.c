@@ -171,8 +171,8 @@ pe_status pe_check_bodies(const pe_step *step, const int *slots, int count)
 {
     for (int i = 0; i < count; ++i) {
         pe_vec3 found;
-        const char *what = fault_of(&pe_poses(step->world)[slots[i]],
-                                    &pe_twists(step->world)[slots[i]], &found);
+        const char *what =
+            fault_of(&pe_poses(step->world)[slots[i]], &pe_twists(step->world)[slots[i]], &found);
         if (what != NULL) {
             return refuse_motion(step, slots[i], what, found);
         }

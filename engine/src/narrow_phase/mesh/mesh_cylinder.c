@@ -259,8 +259,8 @@ static void complete(contact *s)
         return;
     }
     /* A cylinder that is wholly inside may be near the other side of the solid, too. */
-    bool is_short = s->list.count == 0 ||
-                    least > s->nearest.separation + PE_CYLINDER_MESH_TIE * s->pair.size;
+    bool is_short =
+        s->list.count == 0 || least > s->nearest.separation + PE_CYLINDER_MESH_TIE * s->pair.size;
     if ((is_short || least > 0) && pe_solid_contains(&s->pair.solid, s->pair.c.centre)) {
         s->list.count = 0;
         push_out_of_solid(s);
