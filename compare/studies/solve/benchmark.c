@@ -365,7 +365,8 @@ static pl_status pl_benchmark_solve(const pl_benchmark_problem *row,
         bool is_warm = i < pe_solver_count();
         solver_run_def l = {is_warm ? problem : cold, pe_solver(i % pe_solver_count())};
         if (progress != NULL) {
-            fprintf(progress, "%s, %s, %s\n", row->name, is_warm ? "warm" : "cold", l.solver.name);
+            pl_print_line(progress, "%s, %s, %s", row->name, is_warm ? "warm" : "cold",
+                          l.solver.name);
         }
         status = run_solver(&l, is_warm ? "warm" : "cold", cells, error);
     }
@@ -391,7 +392,7 @@ static pl_status run_problem(const pl_benchmark_problem *row, json_t *problems, 
     json_t *result = NULL;
     pl_error failure = {.message = ""};
     pl_status status = PL_OK;
-    fprintf(stderr, "%s: capturing\n", row->name);
+    pl_print_line(stderr, "%s: capturing", row->name);
     if (pl_benchmark_capture(row, &problem, &failure) == PL_OK) {
         status = pl_benchmark_solve(row, problem, stderr, &result, error);
         pe_contact_problem_destroy(problem);
