@@ -2,6 +2,7 @@
 #include "command.h"
 
 #include "base/array.h"
+#include "base/diagnostic.h"
 #include "base/folding.h"
 #include "base/hash.h"
 #include "request.h"
@@ -91,9 +92,10 @@ static void reject_unknown(const parsing *p, const char *option, size_t length)
     snprintf(word, sizeof word, "%.*s", (int)length, option);
     const char *nearest = pl_nearest_name(word, names, p->count + COMMON_COUNT);
     const char *self = p->call->argv[0];
-    fprintf(stderr, "%s: there is no option --%s", self, word);
-    fprintf(stderr, nearest == NULL ? "; see %s --help\n" : "; did you mean --%s?\n",
-            nearest == NULL ? self : nearest);
+    pl_print_line(stderr,
+                  nearest == NULL ? "%s: there is no option --%s; see %s --help"
+                                  : "%s: there is no option --%s; did you mean --%s?",
+                  self, word, nearest == NULL ? self : nearest);
     exit(PL_EXIT_USAGE);
 }
 
@@ -124,20 +126,21 @@ static void check_options(parsing *p)
 static double parse_number(const pl_option *option, const char *text, struct argp_state *state)
 {
     double value = 0;
+    char quoted[PL_QUOTED_SIZE];
     if (!pl_parse_number(text, &value) || !(value >= option->min && value <= option->max)) {
-        argp_error(state, "--%s takes %s, %.4g to %.4g; found \"%s\"", option->name, option->takes,
-                   option->min, option->max, text);
+        argp_error(state, "--%s takes %s, %.4g to %.4g; found %s", option->name, option->takes,
+                   option->min, option->max, pl_quoted(text, quoted));
     }
     return option->scale != 0 ? value * option->scale : value;
 }
 
 static long parse_integer(const pl_option *option, const char *text, struct argp_state *state)
 {
-    char *end;
+    char *end, quoted[PL_QUOTED_SIZE];
     long value = strtol(text, &end, 10), min = (long)option->min, max = (long)option->max;
     if (end == text || *end != '\0' || value < min || value > max) {
-        argp_error(state, "--%s takes an integer, %ld to %ld; found \"%s\"", option->name, min, max,
-                   text);
+        argp_error(state, "--%s takes an integer, %ld to %ld; found %s", option->name, min, max,
+                   pl_quoted(text, quoted));
     }
     return value;
 }
@@ -233,7 +236,7 @@ void pl_call_parse(const pl_call *call, void *options)
     check_options(&p);
     char *doc = NULL;
     if (asprintf(&doc, "%s\v%s", command->description, command->notes) < 0) {
-        fprintf(stderr, "%s: out of memory\n", call->argv[0]);
+        pl_print_line(stderr, "%s: out of memory", call->argv[0]);
         exit(PL_EXIT_FAILED);
     }
     const struct argp argp = {.options = p.argp,
@@ -254,7 +257,7 @@ void pl_call_parse(const pl_call *call, void *options)
         exit(PL_EXIT_OK);
     }
     if (failed != 0) {
-        fprintf(stderr, "%s: %s\n", call->argv[0], strerror(failed));
+        pl_print_line(stderr, "%s: %s", call->argv[0], strerror(failed));
         exit(PL_EXIT_FAILED);
     }
 }
@@ -264,13 +267,13 @@ void pl_call_parse(const pl_call *call, void *options)
 int pl_call_fail(const pl_call *call, const pl_error *error)
 {
     fflush(stdout);
-    fprintf(stderr, "%s: %s\n", call->argv[0], error->message);
+    pl_print_line(stderr, "%s: %s", call->argv[0], error->message);
     return error->status == PL_BAD_INPUT ? PL_EXIT_USAGE : PL_EXIT_FAILED;
 }
 
 int pl_call_nothing(const pl_call *call, const char *why)
 {
-    fprintf(stderr, "%s: %s\n", call->argv[0], why);
+    pl_print_line(stderr, "%s: %s", call->argv[0], why);
     return PL_EXIT_NOTHING;
 }
 
@@ -285,10 +288,11 @@ int pl_call_end(const pl_call *call, pl_status status, const pl_error *error, in
 
 void pl_call_interrupted(const pl_call *call, size_t count, const char *folder)
 {
-    fprintf(stderr,
-            "%s: interrupted; %zu results are in %s/results.jsonl: the same command with --resume "
-            "goes on from there\n",
-            call->argv[0], count, folder);
+    pl_print_line(
+        stderr,
+        "%s: interrupted; %zu results are in %s/results.jsonl: the same command with --resume "
+        "goes on from there",
+        call->argv[0], count, folder);
 }
 
 /* Whether it is the option or, as getopt takes it, its beginning. */

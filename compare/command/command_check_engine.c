@@ -227,8 +227,8 @@ static void keep_record(const checking *c, const pl_engine_choice *choice, const
                                     counts[PL_CHECK_PASSED] + counts[PL_CHECK_FAILED],
                                     counts[PL_CHECK_FAILED], counts[PL_CHECK_SKIPPED],
                                     &error) != PL_OK) {
-        fprintf(stderr, "%s: warning: reports will not know of this: %s\n", c->call->argv[0],
-                error.message);
+        pl_print_line(stderr, "%s: warning: reports will not know of this: %s", c->call->argv[0],
+                      error.message);
     }
 }
 

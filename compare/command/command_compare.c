@@ -84,8 +84,8 @@ static pl_status deliver(const options *o, json_t *results, const json_t *refere
     }
     if (status == PL_OK) {
         size_t count = json_array_size(results);
-        fprintf(stderr, "%zu %s and the report are in %s/\n", count,
-                count == 1 ? "result" : "results", o->request.out);
+        pl_print_line(stderr, "%zu %s and the report are in %s/", count,
+                      count == 1 ? "result" : "results", o->request.out);
     }
     if (status == PL_OK && o->open) {
         char page[4096];

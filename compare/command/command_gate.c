@@ -150,8 +150,8 @@ static pl_status update(const options *o, material *m, pl_error *error)
         status = pl_gate_baseline_write(o->baseline, &m->now, error);
     }
     if (status == PL_OK) {
-        fprintf(stderr, "%d row%s written to %s\n", m->now.count, m->now.count == 1 ? "" : "s",
-                o->baseline);
+        pl_print_line(stderr, "%d row%s written to %s", m->now.count, m->now.count == 1 ? "" : "s",
+                      o->baseline);
     }
     return status;
 }
@@ -203,7 +203,7 @@ static pl_status deliver(const options *o, const pl_gate_verdict *verdict, pl_er
     if (!to_file && (o->format == PL_GATE_JUNIT || o->format == PL_GATE_JSON)) {
         char summary[256];
         pl_gate_verdict_summary(verdict, summary, sizeof summary);
-        fprintf(stderr, "%s\n", summary);
+        pl_print_line(stderr, "%s", summary);
     }
     return status;
 }

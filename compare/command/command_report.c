@@ -1,4 +1,5 @@
 /* plumb report: the report of existing results, from any number of files. */
+#include "base/folding.h"
 #include "figure.h"
 #include "report/report.h"
 #include "report/study_page.h"
@@ -106,7 +107,7 @@ static pl_status analyse(const pl_request *request, const pl_merge *merge, pl_er
         if (status == PL_OK) {
             pl_sweep_report_print(stdout, &analysis);
             fflush(stdout);
-            fprintf(stderr, "speed against error is in %s/sweep.html\n", request->out);
+            pl_print_line(stderr, "speed against error is in %s/sweep.html", request->out);
         }
     }
     pl_sweep_analysis_free(&analysis);
@@ -152,7 +153,7 @@ static pl_status write_report(const options *o, const json_t *results, pl_error 
             ? pl_figure_write(&def, o->figure, o->format->picture, request->force, &picture, error)
             : pl_report_write(&def, error);
     if (picture != NULL && status == PL_OK) {
-        fprintf(stderr, "the picture is in %s\n", picture);
+        pl_print_line(stderr, "the picture is in %s", picture);
     }
     free(picture);
     json_decref(reference);
@@ -203,18 +204,19 @@ static pl_status deliver(const options *o, const pl_merge *merge, pl_error *erro
 static void say_counts(const pl_request *request, const pl_merge *merge)
 {
     const size_t count = json_array_size(merge->results);
-    fprintf(stderr, "%zu %s of %ld %s and the report are in %s/\n", count,
-            count == 1 ? "result" : "results", merge->files, merge->files == 1 ? "file" : "files",
-            request->out);
+    pl_print_line(stderr, "%zu %s of %ld %s and the report are in %s/", count,
+                  count == 1 ? "result" : "results", merge->files,
+                  merge->files == 1 ? "file" : "files", request->out);
     if (merge->doubles > 0) {
-        fprintf(stderr, "%ld %s dropped: the same runs\n", merge->doubles,
-                merge->doubles == 1 ? "duplicate was" : "duplicates were");
+        pl_print_line(stderr, "%ld %s dropped: the same runs", merge->doubles,
+                      merge->doubles == 1 ? "duplicate was" : "duplicates were");
     }
     if (merge->differing > 0) {
-        fprintf(stderr,
-                "plumb report: warning: %ld of them differ in their outcome or in metrics that "
-                "should be the same at every run; the first that was read is kept\n",
-                merge->differing);
+        pl_print_line(
+            stderr,
+            "plumb report: warning: %ld of them differ in their outcome or in metrics that "
+            "should be the same at every run; the first that was read is kept",
+            merge->differing);
     }
 }
 
@@ -265,7 +267,7 @@ static bool is_study(const pl_request *request, pl_status *status, pl_error *err
         *status = pl_study_page_write(request->out, kind, study, error);
     }
     if (*status == PL_OK) {
-        fprintf(stderr, "the page is in %s/%s.html\n", request->out, kind);
+        pl_print_line(stderr, "the page is in %s/%s.html", request->out, kind);
     }
     json_decref(study);
     return true;

@@ -1,6 +1,7 @@
 /* plumb sweep: engines over many settings and time steps. Results are appended to results.jsonl as
  * runs end; several processes may make a shard each, in folders of their own. */
 #include "base/array.h"
+#include "base/folding.h"
 #include "report/sweep_report.h"
 #include "request.h"
 #include "results/store.h"
@@ -139,10 +140,11 @@ static pl_status deliver(const options *o, keeper *k, bool is_shard, const char 
         const size_t count = json_array_size(made);
         fflush(stdout);
         if (!is_shard) {
-            fprintf(stderr, "speed against error is in %s/sweep.html\n", o->request.out);
+            pl_print_line(stderr, "speed against error is in %s/sweep.html", o->request.out);
         }
-        fprintf(stderr, "%zu %s in %s/results.jsonl; plumb report %s --out DIR makes a report\n",
-                count, count == 1 ? "result is" : "results are", folder, o->request.out);
+        pl_print_line(stderr,
+                      "%zu %s in %s/results.jsonl; plumb report %s --out DIR makes a report", count,
+                      count == 1 ? "result is" : "results are", folder, o->request.out);
     }
     return status;
 }

@@ -1,4 +1,5 @@
 /* plumb tune: the cheapest settings of an engine that meet targets on scenarios. */
+#include "base/folding.h"
 #include "request.h"
 #include "results/store.h"
 #include "studies/tune/tune.h"
@@ -56,8 +57,8 @@ static pl_status save_profile(const options *o, const pl_tune_def *def, const pl
                            ? pl_fail(error, PL_NO_MEMORY, "out of memory for the profile")
                            : pl_results_write_json(path, profile, error);
     if (status == PL_OK) {
-        fprintf(stderr, "plumb tune: %s: --engine %s:tuned --profiles %s\n", path,
-                def->space->base.engine->spec, path);
+        pl_print_line(stderr, "plumb tune: %s: --engine %s:tuned --profiles %s", path,
+                      def->space->base.engine->spec, path);
     }
     free(path);
     json_decref(profile);

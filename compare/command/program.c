@@ -66,8 +66,8 @@ static const pl_command *find_command(const char *name, const char *asker, const
     }
     char hint[PL_SUGGESTION_SIZE];
     pl_did_you_mean(name, names, COMMAND_COUNT, hint);
-    fprintf(stderr, "%s: there is no command %s%s\n", asker, name,
-            hint[0] == '\0' ? otherwise : hint);
+    pl_print_line(stderr, "%s: there is no command %s%s", asker, name,
+                  hint[0] == '\0' ? otherwise : hint);
     return NULL;
 }
 

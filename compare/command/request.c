@@ -2,6 +2,7 @@
 
 #include "base/array.h"
 #include "base/file_beneath.h"
+#include "base/folding.h"
 #include "base/thread_pool.h"
 #include "engines/registry.h"
 
@@ -401,7 +402,7 @@ void pl_request_note_threads(const pl_call *call, const pl_plan *plan)
 static pl_status pass_over(const pl_call *call, pl_status status, const pl_error *error)
 {
     if (status == PL_UNSUPPORTED) {
-        fprintf(stderr, "%s: %s\n", call->argv[0], error->message);
+        pl_print_line(stderr, "%s: %s", call->argv[0], error->message);
         return PL_OK;
     }
     return status;

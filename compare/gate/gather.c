@@ -2,6 +2,7 @@
 #include "gather.h"
 
 #include "base/array.h"
+#include "base/folding.h"
 #include "base/statistics.h"
 #include "plumb/scenario.h"
 #include "ratio.h"
@@ -28,7 +29,7 @@ pl_status pl_gate_file_read(const char *path, pl_gate_file *file, pl_error *erro
     pl_status status = pl_results_read(path, &file->results, &whole, error);
     if (status == PL_OK && stat(path, &found) == 0 && S_ISREG(found.st_mode) &&
         found.st_size > whole) {
-        fprintf(stderr, "%s: the last line is not whole, and left out\n", path);
+        pl_print_line(stderr, "%s: the last line is not whole, and left out", path);
     }
     free(inside);
     return status;
@@ -317,8 +318,8 @@ pl_status pl_gate_gather(const pl_gate_file *files, int count, const pl_gate_tol
     json_decref(indices);
     json_decref(builds);
     if (outdated > 0) {
-        fprintf(stderr, "%zu %s of engines that were rebuilt since left out\n", outdated,
-                outdated == 1 ? "result is" : "results are");
+        pl_print_line(stderr, "%zu %s of engines that were rebuilt since left out", outdated,
+                      outdated == 1 ? "result is" : "results are");
     }
     if (status == PL_OK) {
         status = fill_rows(rows, tolerances, error);

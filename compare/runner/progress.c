@@ -1,5 +1,6 @@
 #include "progress.h"
 
+#include "base/text_buffer.h"
 #include "results/run_verdict.h"
 
 #include <stdlib.h>
@@ -59,6 +60,7 @@ void pl_progress_draw(const pl_progress *progress, const char *running, double p
     snprintf(line, sizeof line, "%ld/%ld [%s] %s left  %s", progress->done, progress->total, bar,
              left, running);
     int most = progress->width - 1;
+    pl_make_plain(line);
     fprintf(progress->out, "\r%.*s\033[K", most < 0 ? 0 : most, line);
     fflush(progress->out);
 }
@@ -78,10 +80,18 @@ void pl_progress_run_ended(pl_progress *progress, const char *title, const json_
     if (progress->terminal && good) {
         return;
     }
-    fprintf(progress->out, "%s[%ld/%ld] %s  %s  %s%s%s  %.2f s%s%s\n",
-            progress->terminal ? "\r\033[K" : "", progress->done, progress->total, title,
-            pl_json_get_text(result, "label"), colour, word, colour[0] == '\0' ? "" : "\033[0m",
-            seconds, good || reason[0] == '\0' ? "" : ": ", good ? "" : reason);
+    pl_text_buffer line = {0};
+    const char *label = pl_json_get_text(result, "label");
+    pl_text_format(&line, "%s[%ld/%ld] ", progress->terminal ? "\r\033[K" : "", progress->done,
+                   progress->total);
+    pl_text_add_plain(&line, title, strlen(title));
+    pl_text_add(&line, "  ");
+    pl_text_add_plain(&line, label, strlen(label));
+    pl_text_format(&line, "  %s%s%s  %.2f s%s", colour, word, colour[0] == '\0' ? "" : "\033[0m",
+                   seconds, good || reason[0] == '\0' ? "" : ": ");
+    pl_text_add_plain(&line, reason, good ? 0 : strlen(reason));
+    fprintf(progress->out, "%s\n", line.failed ? "out of memory" : line.data);
+    pl_text_free(&line);
 }
 
 void pl_progress_end(const pl_progress *progress)

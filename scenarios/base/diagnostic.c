@@ -2,6 +2,7 @@
 #include "diagnostic.h"
 
 #include "number.h"
+#include "text_buffer.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -32,6 +33,7 @@ pl_status(pl_fail)(pl_error *error, pl_status status, const char *format, ...)
         }
         error->message[end] = '\0';
     }
+    pl_make_plain(error->message);
     return status;
 }
 
@@ -96,6 +98,7 @@ set_text(pl_diagnostic *diagnostic, const char *format, va_list arguments)
 {
     diagnostic->status = PL_BAD_INPUT;
     vsnprintf(diagnostic->text, sizeof diagnostic->text, format, arguments);
+    pl_make_plain(diagnostic->text);
 }
 
 bool pl_diagnose(pl_diagnostic *diagnostic, const char *format, ...)
@@ -147,11 +150,10 @@ const char *pl_quoted(const char *bytes, char text[PL_QUOTED_SIZE])
             --length; /* not in the middle of a UTF-8 character */
         }
     }
-    text[0] = '"';
-    for (size_t i = 0; i < length; ++i) {
-        text[i + 1] = (char)(iscntrl((unsigned char)bytes[i]) ? '?' : bytes[i]);
-    }
-    snprintf(text + 1 + length, PL_QUOTED_SIZE - 1 - length, "%s\"", end == NULL ? "..." : "");
+    snprintf(text, PL_QUOTED_SIZE, "\"%.*s", (int)length, bytes);
+    pl_make_plain(text);
+    length = strlen(text);
+    snprintf(text + length, PL_QUOTED_SIZE - length, "%s\"", end == NULL ? "..." : "");
     return text;
 }
 

@@ -65,8 +65,8 @@ bool pl_diagnose_no_memory(pl_diagnostic *diagnostic);
 /* The size of a quoted text, in bytes. */
 enum { PL_QUOTED_SIZE = 64 };
 
-/* Copies UTF-8 text for a message: in quotes, at most 40 bytes with an ellipsis after a cut, and a
- * question mark for every control character. Returns `text`. */
+/* Copies text for a message: in quotes, plain as by pl_make_plain, at most 40 bytes with an ellipsis
+ * after a cut. Returns `text`. */
 const char *pl_quoted(const char *bytes, char text[PL_QUOTED_SIZE]);
 
 /* ---- Checks ----

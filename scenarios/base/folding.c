@@ -1,5 +1,6 @@
 #include "folding.h"
 
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -110,6 +111,17 @@ void pl_text_add_folded(pl_text_buffer *out, const char *text, int width)
         pl_text_add(out, line[length] == '\n' ? "\n" : "");
         line += length + (line[length] == '\n');
     }
+}
+
+void pl_print_line(FILE *out, const char *format, ...)
+{
+    char *line = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    const bool made = vasprintf(&line, format, arguments) >= 0;
+    va_end(arguments);
+    fprintf(out, "%s\n", made ? pl_make_plain(line) : "out of memory");
+    free(made ? line : NULL);
 }
 
 FILE *pl_folding_begin(pl_folding *folding, FILE *out)

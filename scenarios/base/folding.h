@@ -30,6 +30,12 @@ int pl_longest_word(const char *text);
  * "- ". Control characters become '?'. */
 void pl_text_add_folded(pl_text_buffer *out, const char *text, int width);
 
+/* Writes a message of one line, formatted as printf does, plain as by pl_make_plain, and a newline. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void pl_print_line(FILE *out, const char *format, ...);
+
 /* Text on its way to a stream, which is folded to its window. */
 typedef struct pl_folding {
     FILE *out, *in;

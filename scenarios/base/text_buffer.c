@@ -92,20 +92,43 @@ static const char *entity(char c)
     }
 }
 
+/* The code point of `bytes` bytes at `c`; -1 where they are no UTF-8. */
+static long decode(const char *c, size_t bytes)
+{
+    static const long least[] = {0, 0, 0x80, 0x800, 0x10000};
+    const unsigned char first = (unsigned char)c[0];
+    const size_t length = first < 0x80   ? 1
+                          : first < 0xc0 ? 0
+                          : first < 0xe0 ? 2
+                          : first < 0xf0 ? 3
+                                         : 4;
+    if (length != bytes || first >= 0xf8) {
+        return -1;
+    }
+    long point = length == 1 ? first : first & (0x7f >> length);
+    for (size_t i = 1; i < length; ++i) {
+        point = point << 6 | ((unsigned char)c[i] & 0x3f);
+    }
+    const bool is_one = point >= least[length] && point <= 0x10ffff;
+    return is_one && (point < 0xd800 || point > 0xdfff) ? point : -1;
+}
+
 void pl_text_add_html(pl_text_buffer *out, const char *text)
 {
-    for (const char *c = text; *c != '\0'; ++c) {
-        unsigned char byte = (unsigned char)*c;
-        if (entity(*c) != NULL) {
-            pl_text_add(out, entity(*c));
-        } else if (byte == '"') {
+    for (size_t bytes = 0; *text != '\0'; text += bytes) {
+        bytes = pl_code_point_length(text);
+        const long point = decode(text, bytes);
+        if (entity(*text) != NULL) {
+            pl_text_add(out, entity(*text));
+        } else if (point == '"') {
             pl_text_add(out, "&quot;");
-        } else if (byte == '\'') {
+        } else if (point == '\'') {
             pl_text_add(out, "&#39;");
-        } else if ((byte < 0x20 && byte != '\n' && byte != '\t') || byte == 0x7f) {
+        } else if ((point < 0x20 && point != '\n' && point != '\t') || point == 0x7f ||
+                   point == 0xfffe || point == 0xffff) {
             pl_text_add(out, "\xef\xbf\xbd");
         } else {
-            pl_text_add_bytes(out, c, 1);
+            add(out, text, bytes);
         }
     }
 }
@@ -228,21 +251,45 @@ int pl_text_width(const char *text)
     return count;
 }
 
+/* What stands for the code point of `bytes` bytes at `c`: '?' or a space; 0: itself. */
+static char stand_in(const char *c, size_t bytes)
+{
+    const long point = decode(c, bytes);
+    if (point == '\n' || point == '\t') {
+        return ' ';
+    }
+    const bool is_control = point < 0x20 || (point >= 0x7f && point < 0xa0);
+    const bool is_mark = point == 0x61c || point == 0x200e || point == 0x200f ||
+                         (point >= 0x2028 && point <= 0x202e) ||
+                         (point >= 0x2066 && point <= 0x2069);
+    return is_control || is_mark ? '?' : 0;
+}
+
 int pl_text_add_plain(pl_text_buffer *out, const char *text, size_t length)
 {
     int count = 0;
     for (size_t at = 0, bytes = 0; at < length; at += bytes, ++count) {
-        const char *c = text + at;
-        bytes = pl_code_point_length(c);
-        const unsigned char first = (unsigned char)c[0];
-        const bool is_c1 = first == 0xc2 && bytes == 2 && (unsigned char)c[1] < 0xa0;
-        if (first == '\n' || first == '\t') {
-            pl_text_add(out, " ");
-        } else if (first < 0x20 || first == 0x7f || is_c1) {
-            pl_text_add(out, "?");
-        } else {
-            pl_text_add_bytes(out, c, bytes);
-        }
+        bytes = pl_code_point_length(text + at);
+        const char other = stand_in(text + at, bytes);
+        add(out, other != 0 ? &other : text + at, other != 0 ? 1 : bytes);
     }
     return count;
+}
+
+char *pl_make_plain(char *text)
+{
+    char *to = text;
+    for (const char *from = text; *from != '\0';) {
+        const size_t bytes = pl_code_point_length(from);
+        const char other = stand_in(from, bytes);
+        if (other != 0) {
+            *to++ = other;
+        } else {
+            memmove(to, from, bytes);
+            to += bytes;
+        }
+        from += bytes;
+    }
+    *to = '\0';
+    return text;
 }

@@ -35,8 +35,8 @@ void pl_text_format(pl_text_buffer *out, const char *format, ...);
 /* Adds `count` spaces; none for a negative count. */
 void pl_text_add_spaces(pl_text_buffer *out, int count);
 
-/* Adds text escaped for HTML text and double-quoted attributes. Control characters other than
- * newline and tab become U+FFFD. */
+/* Adds text escaped for text and double-quoted attributes of HTML and XML. What these may not have,
+ * control characters other than newline and tab and bytes that are no UTF-8, becomes U+FFFD. */
 void pl_text_add_html(pl_text_buffer *out, const char *text);
 
 /* Adds `text` escaped as HTML between two pieces of markup. */
@@ -65,9 +65,16 @@ void pl_text_add_number(pl_text_buffer *out, double value);
 /* Adds a JSON array of numbers. */
 void pl_text_add_numbers(pl_text_buffer *out, const double *values, int count);
 
-/* Adds the first `length` bytes of a text for a terminal. Control characters (C0, DEL, C1) become
- * '?'; newline and tab become a space. Returns the number of code points added. */
+/* ---- Text from elsewhere, shown on a terminal ----
+ * A code point that could steer the terminal or deceive the eye becomes '?': control characters (C0,
+ * DEL, C1), marks that change the direction of writing, separators of lines and paragraphs, and
+ * bytes that are no UTF-8. Newline and tab become a space. So the width stays the same. */
+
+/* Adds the first `length` bytes of such a text. Returns the number of code points added. */
 int pl_text_add_plain(pl_text_buffer *out, const char *text, size_t length);
+
+/* The same in place, of a text that ends with a zero. Returns `text`. */
+char *pl_make_plain(char *text);
 
 /* The width of UTF-8 text on a terminal, in code points. */
 int pl_text_width(const char *text);

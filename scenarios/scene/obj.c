@@ -106,8 +106,8 @@ static pl_status fail_by_word(const scanner *s, int line, const char *expected, 
     const size_t kept = found.length < sizeof copy - 1 ? found.length : sizeof copy - 1;
     memcpy(copy, found.text, kept);
     copy[kept] = '\0';
-    for (size_t i = 0; i < kept; ++i) {
-        copy[i] = (char)((unsigned char)copy[i] < 0x80 && copy[i] != '\0' ? copy[i] : '?');
+    for (char *zero; (zero = memchr(copy, '\0', kept)) != NULL;) {
+        *zero = '?';
     }
     return pl_fail(s->error, PL_BAD_INPUT, "%s:%d: expected %s, found %s", s->label, line, expected,
                    found.length == 0 ? "the end of the line" : pl_quoted(copy, quoted));

@@ -288,33 +288,37 @@ static void measure(const pl_polyhedron *p,
     }
 }
 
-/* Whether the solid is at most a million times as long as wide. */
-static bool is_wide(const pl_polyhedron *p)
-{
-    double volume, centre[3], mean[3][3], axes[3][3];
-    measure(p, integrate_in_any_order, &volume, centre, mean);
-    diagonalize(mean, axes);
-    const double least = fmin(mean[0][0], fmin(mean[1][1], mean[2][2]));
-    const double most = fmax(mean[0][0], fmax(mean[1][1], mean[2][2]));
-    return volume > 0 && least > THINNEST * THINNEST * most;
-}
-
-bool pl_polyhedron_measure(pl_polyhedron *p)
+/* Fills the mass properties. False unless they are those of a solid that is at most a million times
+ * as long as wide. */
+static bool fill(pl_polyhedron *p,
+                 moments (*integral)(const pl_polyhedron *p, const double from[3]))
 {
     double mean[3][3], axes[3][3];
-    if (!encloses_volume(p) || !is_wide(p)) {
-        return false;
-    }
-    measure(p, integrate, &p->volume, p->centre, mean);
+    measure(p, integral, &p->volume, p->centre, mean);
     diagonalize(mean, axes);
     to_quaternion(axes, p->axes);
+    for (int k = 0; k < 3; ++k) {
+        p->inertia[k] = mean[(k + 1) % 3][(k + 1) % 3] + mean[(k + 2) % 3][(k + 2) % 3];
+    }
     p->radius = 0;
     for (int i = 0; i < p->vertex_count; ++i) {
         const pl_vec arm = pl_vec_sub(pl_vec_of(p->vertices[i]), pl_vec_of(p->centre));
         p->radius = fmax(p->radius, pl_vec_length(arm));
     }
-    for (int k = 0; k < 3; ++k) {
-        p->inertia[k] = mean[(k + 1) % 3][(k + 1) % 3] + mean[(k + 2) % 3][(k + 2) % 3];
+    const double least = fmin(mean[0][0], fmin(mean[1][1], mean[2][2]));
+    const double most = fmax(mean[0][0], fmax(mean[1][1], mean[2][2]));
+    return p->volume > 0 && least > THINNEST * THINNEST * most;
+}
+
+bool pl_polyhedron_measure(pl_polyhedron *p)
+{
+    pl_polyhedron in_order = *p;
+    if (!encloses_volume(p) || !fill(p, integrate_in_any_order)) {
+        return false;
     }
-    return p->volume > 0 && p->inertia[0] > 0 && p->inertia[1] > 0 && p->inertia[2] > 0;
+    /* The plain sums, with their rounding, are what scenes have been measured by. */
+    if (fill(&in_order, integrate)) {
+        *p = in_order;
+    }
+    return true;
 }

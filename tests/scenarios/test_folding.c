@@ -1,4 +1,5 @@
 /* Text that is folded to a window. */
+#include "base/diagnostic.h"
 #include "base/folding.h"
 #include "check.h"
 
@@ -97,6 +98,35 @@ static void test_control_characters_do_not_reach_the_terminal(void **state)
     (void)state;
     check_folded("a\033[2Jb", 40, "a?[2Jb");
     check_folded("a\033b c", 3, "a?b\nc");
+    static const char *const bad[] = {"\001",
+                                      "\177",
+                                      "\302\233",
+                                      "\342\200\252",
+                                      "\342\200\256",
+                                      "\342\201\246",
+                                      "\342\201\251",
+                                      "\342\200\216",
+                                      "\342\200\217",
+                                      "\330\234",
+                                      "\342\200\250",
+                                      "\342\200\251",
+                                      "\377",
+                                      "\303",
+                                      "\300\257",
+                                      "\355\240\200",
+                                      "\364\220\200\200"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        char text[32], quoted[PL_QUOTED_SIZE];
+        pl_error error;
+        snprintf(text, sizeof text, "a%sb", bad[i]);
+        check_folded(text, 40, "a?b");
+        assert_int_equal(pl_text_width(text), 3);
+        pl_fail(&error, PL_FAILED, "%s", text);
+        assert_string_equal(error.message, "a?b");
+        assert_string_equal(pl_quoted(text, quoted), "\"a?b\"");
+    }
+    check_folded("\303\244 \342\202\254 \360\237\230\200 \302\240", 40,
+                 "\303\244 \342\202\254 \360\237\230\200 \302\240");
 }
 
 /* A terminal of `columns`, or a file where it is less than 0. */

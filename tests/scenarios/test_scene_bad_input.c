@@ -80,7 +80,8 @@ static void test_empty_and_foreign_texts_are_located(void **state)
     check_message("{}", 1, 1, "plumb_scene", "expected 1, found nothing");
     check_message("{\"plumb_scene\": 1}", 1, 1, "bodies", "expected an array, found nothing");
     check_message("{\"plumb_scene\": 1, \"bodies\": []}", 1, 30, "bodies", "found 0");
-    check_message("\xef\xbb\xbf{}", 1, 1, "JSON syntax", "expected");
+    check_message("\xef\xbb\xbf{}", 1, 1, "plumb_scene", "expected 1, found nothing");
+    check_message("\xef\xbb\xbf\xef\xbb\xbf{}", 1, 1, "JSON syntax", "expected");
 }
 
 static void test_deep_nesting_is_refused(void **state)

@@ -391,7 +391,7 @@ static pl_status pl_benchmark_solve(const pl_benchmark_problem *row,
     for (int i = 0; i < 2 * pe_solver_count() && status == PL_OK; ++i) {
         bool is_warm = i < pe_solver_count();
         solver_run_def l = {is_warm ? problem : cold, pe_solver(i % pe_solver_count())};
-        fprintf(stderr, "%s, %s, %s\n", row->name, is_warm ? "warm" : "cold", l.solver.name);
+        pl_print_line(stderr, "%s, %s, %s", row->name, is_warm ? "warm" : "cold", l.solver.name);
         status = run_solver(row, &l, is_warm ? "warm" : "cold", journal, cells, error);
     }
     if (status == PL_OK) {
@@ -423,7 +423,7 @@ static pl_status run_problem(const pl_benchmark_problem *row, pl_journal *journa
                    ? status
                    : pl_fail(error, PL_NO_MEMORY, "out of memory");
     }
-    fprintf(stderr, "%s: capturing\n", row->name);
+    pl_print_line(stderr, "%s: capturing", row->name);
     if (pl_benchmark_capture(row, &problem, &failure) == PL_OK) {
         status = pl_benchmark_solve(row, problem, journal, &result, error);
         pe_contact_problem_destroy(problem);

@@ -1,6 +1,7 @@
 /* Merges files and folders of results, and compares runs that were made twice. */
 #include "shard_merge.h"
 
+#include "base/folding.h"
 #include "results/result.h"
 #include "results/store.h"
 
@@ -48,24 +49,25 @@ static const char *differing_metric(const json_t *first, const json_t *second)
 static void say_difference(const json_t *first, const json_t *second, const char *metric,
                            FILE *warnings)
 {
-    fprintf(warnings, "run %s, %s on %s, repeat %lld, was made twice and differs: ",
-            pl_json_get_text(first, "run"), pl_json_get_text(first, "scenario"),
-            pl_json_get_text(first, "label"),
-            (long long)json_integer_value(json_object_get(first, "repeat")));
+    pl_text_buffer line = {0};
+    pl_text_format(&line, "run %s, %s on %s, repeat %lld, was made twice and differs: ",
+                   pl_json_get_text(first, "run"), pl_json_get_text(first, "scenario"),
+                   pl_json_get_text(first, "label"),
+                   (long long)json_integer_value(json_object_get(first, "repeat")));
     if (metric == NULL) {
-        fprintf(warnings, "outcome %s, then %s\n", pl_json_get_text(first, "outcome"),
-                pl_json_get_text(second, "outcome"));
-        return;
+        pl_text_format(&line, "outcome %s, then %s", pl_json_get_text(first, "outcome"),
+                       pl_json_get_text(second, "outcome"));
     }
     const json_t *rows[] = {first, second};
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < 2 && metric != NULL; ++i) {
         const json_t *item = json_object_get(json_object_get(rows[i], "metrics"), metric);
         char *value =
             json_dumps(json_object_get(item, "value"), JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
-        fprintf(warnings, "%s %s", i == 0 ? metric : ", then", value == NULL ? "?" : value);
+        pl_text_format(&line, "%s %s", i == 0 ? metric : ", then", value == NULL ? "?" : value);
         free(value);
     }
-    fputc('\n', warnings);
+    pl_print_line(warnings, "%s", line.failed ? "out of memory" : line.data);
+    pl_text_free(&line);
 }
 
 static void judge_double(pl_merge *merge, const json_t *first, const json_t *second, FILE *warnings)

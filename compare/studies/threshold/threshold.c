@@ -147,8 +147,8 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
         if (is_over(search)) {
             s->progress.total -= pl_bisection_most_trials(&search->bisection) - search->runs;
             if (!s->progress.terminal) {
-                fprintf(s->progress.out, "%s  %s  %s after %d %s\n", name, label,
-                        outcome_of(search), search->runs, search->runs == 1 ? "run" : "runs");
+                pl_print_line(s->progress.out, "%s  %s  %s after %d %s", name, label,
+                              outcome_of(search), search->runs, search->runs == 1 ? "run" : "runs");
                 fflush(s->progress.out);
             }
         }

@@ -13,7 +13,8 @@
 extern "C" {
 #endif
 
-/* Fills `error` (when not NULL) as printf does, cut to size, and returns `status`. */
+/* Fills `error` (when not NULL) as printf does, cut to size, and returns `status`. The message is one
+ * line that a terminal can show: '?' stands for control characters. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
