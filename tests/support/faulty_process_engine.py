@@ -119,6 +119,8 @@ for line in sys.stdin:
             del answer["cpu"]
         if fault == "memory":
             held += [bytearray(1 << 20) for _ in range(1 << 14)]
+        if fault == "detached":
+            subprocess.Popen(["sleep", "321"], start_new_session=True)
         if fault == "grandchild":
             subprocess.Popen(["sleep", "321"])
             sys.exit(0)

@@ -70,7 +70,7 @@ static bool read_bodies(const json_t *answer, pl_engine_instance *instance,
 {
     const long expected = (long)instance->scene->body_count * FRAME_NUMBERS;
     long count;
-    if (!pl_channel_count(answer, "frame", &count, diagnostic)) {
+    if (!pl_channel_count(&program.channel, answer, "frame", &count, diagnostic)) {
         return false;
     }
     if (count != expected) {
@@ -90,7 +90,7 @@ static bool read_contact_list(const json_t *answer, pl_engine_instance *instance
     if (width == 0) {
         return true;
     }
-    if (!pl_channel_count(answer, "contacts", &count, diagnostic)) {
+    if (!pl_channel_count(&program.channel, answer, "contacts", &count, diagnostic)) {
         return false;
     }
     if (count <= 0) {
