@@ -77,6 +77,8 @@ expect 2 'substeps: expected an integer of 1 to 1000000, found 2.7' cradle --eng
 expect 2 'capabilities\[3\]: expected one of .*, found "joints"' cradle --engine "exec:python3 $faulty toy unknown-capability"
 expect 3 'cannot be run|exit\(' cradle --engine "exec:$SOURCE/README.md"
 
+expect 3 'it has fewer profiles than when it was first started' cradle --duration 0.1 --engine "exec:python3 $faulty toy fewer-profiles:second"
+
 command=check-engine
 for leak in step scene; do
     expect 1 'holds no more bytes of memory than the one before' --check "$leak-leaks" "exec:python3 $faulty toy $leak-leak,iterations=5"

@@ -26,6 +26,9 @@ for line in sys.stdin:
     if "cpu" in answer:
         answer["cpu"] = 0  # that of this process is counted, not the engine's
     if kind == "hello":
+        if fault == "fewer-profiles" and not os.path.exists("started"):
+            open("started", "w").close()
+            answer["profiles"] = [{"name": "default"}, {"name": "second"}]
         if fault == "hang-in-hello":
             time.sleep(100)
         if fault == "other-protocol":

@@ -181,8 +181,12 @@ static pl_status process_create(const pl_engine_setup *setup, pl_engine_instance
                                 pl_error *error)
 {
     const pl_scene *scene = setup->scene;
-    pl_engine_instance *instance = calloc(1, sizeof *instance);
     *out = NULL;
+    if (setup->profile >= program.hello.table.profile_count) {
+        return pl_engine_error(error, PL_FAILED,
+                               "it has fewer profiles than when it was first started");
+    }
+    pl_engine_instance *instance = calloc(1, sizeof *instance);
     if (instance != NULL) {
         instance->scene = scene;
         instance->bodies = calloc((size_t)scene->body_count + 1, sizeof *instance->bodies);

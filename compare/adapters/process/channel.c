@@ -152,7 +152,7 @@ static pl_status read_answer(const pl_channel *channel, const char *what, size_t
     json_error_t syntax;
     json_t *answer =
         json_loadb(channel->text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &syntax);
-    if (answer == NULL && json_error_code(&syntax) == json_error_out_of_memory) {
+    if (answer == NULL && pl_json_lacked_memory(&syntax)) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the answer to %s", what);
     }
     if (!json_is_object(answer)) {
