@@ -155,18 +155,6 @@ static pl_status report_fault(execution *e, const pl_engine_fault *fault, const 
     return status;
 }
 
-/* The result of the run that the journal has, with the positions that belong to it: a new reference;
- * NULL: the run is to be made. */
-static json_t *recall(const execution *e, const slot *s, const json_t *identity)
-{
-    json_t *result = pl_journal_take(e->def->journal, pl_json_get_text(identity, "run"));
-    if (result != NULL && s->positions != NULL && access(s->positions, R_OK) != 0) {
-        json_decref(result);
-        return NULL;
-    }
-    return result;
-}
-
 /* Whether a run may begin beside those in progress: its pipes, and the files that are opened for a moment,
  * must not take the last descriptors. */
 static bool has_descriptors(const execution *e)
