@@ -377,9 +377,11 @@ static bool is_stage(const char *line, size_t length)
                             (length == strlen(COMPLETE) && memcmp(line, COMPLETE, length) == 0));
 }
 
-/* Separates the last line of the answer, which is JSON, from the stages. */
-static void split_answer(const pl_process *process, char place[160], json_t **description)
+/* Separates the last line of the answer, which is JSON, from the stages. PL_NO_MEMORY. */
+static pl_status split_answer(const pl_process *process, char place[160], json_t **description,
+                              pl_error *error)
 {
+    json_error_t fault;
     const char *text_begin = process->text;
     size_t length = process->text_length;
     *description = NULL;
@@ -387,8 +389,10 @@ static void split_answer(const pl_process *process, char place[160], json_t **de
     while (length > 0) {
         const char *newline = memchr(text_begin, '\n', length);
         if (newline == NULL) {
-            *description = json_loadb(text_begin, length, JSON_REJECT_DUPLICATES, NULL);
-            return;
+            *description = json_loadb(text_begin, length, JSON_REJECT_DUPLICATES, &fault);
+            return *description == NULL && pl_json_lacked_memory(&fault)
+                       ? pl_fail(error, PL_NO_MEMORY, "out of memory for an engine")
+                       : PL_OK;
         }
         const size_t line = (size_t)(newline - text_begin);
         if (is_stage(text_begin, line)) {
@@ -397,6 +401,7 @@ static void split_answer(const pl_process *process, char place[160], json_t **de
         length -= (size_t)(newline - text_begin) + 1;
         text_begin = newline + 1;
     }
+    return PL_OK;
 }
 
 static pl_status ask(known_info *known, pl_error *error)
@@ -411,17 +416,22 @@ static pl_status ask(known_info *known, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    split_answer(&process, place, &known->description);
+    status = split_answer(&process, place, &known->description, error);
     if (strcmp(place, COMPLETE) != 0) {
         json_decref(known->description);
         known->description = NULL;
     }
     const char *refusal = text_of(known->description, "error");
+    if (status != PL_OK) {
+        goto cleanup;
+    }
     if (refusal != NULL && whole_of(known->description, "status") == PL_BAD_INPUT) {
         status = pl_fail(error, PL_BAD_INPUT, "%s", refusal);
     } else if (refusal != NULL || known->description == NULL || !read_description(known)) {
         note_fault(known, &process, place, refusal);
     }
+
+cleanup:
     pl_process_free(&process);
     return status;
 }

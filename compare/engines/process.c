@@ -241,12 +241,13 @@ static void stream_lines(pl_process *process)
 static void keep_answer(pl_process *process, const char *bytes, size_t length)
 {
     size_t needed = process->text_length + length;
-    if (needed > MAX_ANSWER) {
+    if (needed > MAX_ANSWER || process->lacked_memory) {
         return;
     }
     if (needed > process->text_capacity) {
         char *grown = realloc(process->text, 2 * needed);
         if (grown == NULL) {
+            process->lacked_memory = true;
             return;
         }
         process->text = grown;

@@ -1,5 +1,6 @@
 #include "store.h"
 
+#include "base/json_field.h"
 #include "base/json_write.h"
 #include "result.h"
 
@@ -31,6 +32,9 @@ static pl_status read_line(const char *line, size_t length, const char *expected
 {
     json_error_t fault;
     json_t *result = json_loadb(line, length, JSON_REJECT_DUPLICATES, &fault);
+    if (result == NULL && pl_json_lacked_memory(&fault)) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory at line %ld", path, number);
+    }
     if (result == NULL) {
         return pl_fail(error, PL_BAD_INPUT, "%s:%ld:%d: %s", path, number, fault.column,
                        fault.text);

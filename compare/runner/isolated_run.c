@@ -51,28 +51,33 @@ static json_t *read_poses(const char *bytes, size_t count)
 }
 
 /* In the parent: the outcome that the child answered; NULL where it is not whole, and where something
- * else is with it. */
-static json_t *read_answer(const pl_process *process)
+ * else is with it. PL_NO_MEMORY. */
+static pl_status read_answer(const pl_process *process, json_t **outcome, pl_error *error)
 {
     json_error_t place;
-    json_t *outcome =
-        json_loadb(process->text, process->text_length, JSON_DISABLE_EOF_CHECK, &place);
-    if (outcome == NULL) {
-        return NULL;
+    if (process->lacked_memory) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
     }
-    const json_t *asked = json_object_get(outcome, "final_poses");
+    *outcome = json_loadb(process->text, process->text_length, JSON_DISABLE_EOF_CHECK, &place);
+    if (*outcome == NULL) {
+        return process->text_length > 0 && pl_json_lacked_memory(&place)
+                   ? pl_fail(error, PL_NO_MEMORY, "out of memory for a result")
+                   : PL_OK;
+    }
+    const json_t *asked = json_object_get(*outcome, "final_poses");
     const size_t end = (size_t)place.position, length = process->text_length - end;
     const size_t size = PL_POSE_NUMBERS * sizeof(double), count = length / size;
-    bool is_whole = length % size == 0 && json_integer_value(asked) == (json_int_t)count;
-    if (is_whole && json_is_integer(asked)) {
-        json_t *poses = read_poses(process->text + end, count);
-        is_whole = json_object_set_new(outcome, "final_poses", poses) == 0;
-    }
+    const bool is_whole = length % size == 0 && json_integer_value(asked) == (json_int_t)count;
     if (!is_whole) {
-        json_decref(outcome);
-        return NULL;
+        json_decref(*outcome);
+        *outcome = NULL;
+    } else if (json_is_integer(asked)) {
+        json_t *poses = read_poses(process->text + end, count);
+        if (json_object_set_new(*outcome, "final_poses", poses) != 0) {
+            return pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
+        }
     }
-    return outcome;
+    return PL_OK;
 }
 
 /* In the child: what kept the run from being made is the answer {"error": message}. Memory that ran
@@ -244,9 +249,12 @@ pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_
                                  pl_error *error)
 {
     const pl_process *process = &run->process;
-    pl_status status = PL_OK;
+    json_t *outcome = NULL;
     /* A whole answer is a whole run; one cut short does not parse. */
-    json_t *outcome = read_answer(process);
+    pl_status status = read_answer(process, &outcome, error);
+    if (status != PL_OK) {
+        goto cleanup;
+    }
     if (!json_is_object(outcome) || !was_reported(run)) {
         json_decref(outcome);
         outcome = missing_outcome(run);

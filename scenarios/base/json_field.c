@@ -7,6 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+bool pl_json_lacked_memory(const json_error_t *fault)
+{
+    return fault->text[0] == '\0' || json_error_code(fault) == json_error_out_of_memory;
+}
+
 const char *pl_json_found(const json_t *json, char text[PL_FOUND_SIZE])
 {
     char number[PL_NUMBER_SIZE], quoted[PL_QUOTED_SIZE];

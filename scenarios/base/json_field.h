@@ -31,6 +31,10 @@ enum { PL_FOUND_SIZE = 80 };
  * Returns `text`. */
 const char *pl_json_found(const json_t *json, char text[PL_FOUND_SIZE]);
 
+/* Whether a text of JSON could not be read for want of memory. jansson reports a code for some of its own
+ * allocations alone, but a message for every fault of the text. */
+bool pl_json_lacked_memory(const json_error_t *fault);
+
 /* Checks that `json`, at the current path, is an object without keys other than those of `keys`. */
 bool pl_json_object(const json_t *json, const pl_key_set *keys, pl_diagnostic *diagnostic);
 

@@ -1,6 +1,7 @@
 #include "json_text.h"
 
 #include "file_text.h"
+#include "json_field.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -211,7 +212,7 @@ static pl_status fail_by_syntax(const char *text, size_t length, const char *lab
                                 json_error_t *syntax, pl_error *error)
 {
     enum json_error_code code = json_error_code(syntax);
-    if (code == json_error_out_of_memory) {
+    if (pl_json_lacked_memory(syntax)) {
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", label);
     }
     size_t end = syntax->position < 0 ? 0 : (size_t)syntax->position;

@@ -6,10 +6,13 @@ timeout=20
 faulty=$SOURCE/tests/support/faulty_process_engine.py
 "$PLUMB" new-engine --process toy >/dev/null
 
+count=0
+
 # row FAULT OUTCOME REASON [OPTION...]: a run of the engine with that fault ends so, for that reason.
 row() {
     local fault=$1 outcome=$2 reason=$3
     shift 3
+    count=$((count + 1))
     "$PLUMB" compare cradle --duration 0.1 --engine "exec:python3 $faulty toy $fault" --no-reference --timeout "$timeout" \
         "$@" --out "out-$fault" >/dev/null 2>err || [[ $? == 4 ]] || note_failure "$fault: plumb fails: $(cat err)"
     python3 - "$fault" "$outcome" "$reason" >wrong <<'END' || note_failure "$fault: no row"
@@ -56,6 +59,7 @@ row no-time crashed 'cpu'
 row memory crashed 'instead of answering step 3; last line: MemoryError' --memory 1
 row numbers-memory crashed 'answer to step 3: descriptor 3 holds 300 MiB, more than --memory allows' --memory 0.25
 row long-answer crashed 'out of memory for the answer to step 3' --memory 0.25
+row detached ok ''
 row grandchild crashed 'instead of answering step 3'
 row deaf ok ''
 row unsupported unsupported 'no spheres on Tuesdays'
@@ -73,6 +77,8 @@ expect 2 'substeps: expected an integer of 1 to 1000000, found 2.7' cradle --eng
 expect 2 'capabilities\[3\]: expected one of .*, found "joints"' cradle --engine "exec:python3 $faulty toy unknown-capability"
 expect 3 'cannot be run|exit\(' cradle --engine "exec:$SOURCE/README.md"
 
+expect 3 'it has fewer profiles than when it was first started' cradle --duration 0.1 --engine "exec:python3 $faulty toy fewer-profiles:second"
+
 command=check-engine
 for leak in step scene; do
     expect 1 'holds no more bytes of memory than the one before' --check "$leak-leaks" "exec:python3 $faulty toy $leak-leak,iterations=5"
@@ -81,4 +87,5 @@ done
 
 sleep 0.2
 pgrep -f "$faulty|sleep 321" && note_failure 'a process of an engine is left'
+echo "$count faults of process engines"
 exit $failed

@@ -26,6 +26,9 @@ for line in sys.stdin:
     if "cpu" in answer:
         answer["cpu"] = 0  # that of this process is counted, not the engine's
     if kind == "hello":
+        if fault == "fewer-profiles" and not os.path.exists("started"):
+            open("started", "w").close()
+            answer["profiles"] = [{"name": "default"}, {"name": "second"}]
         if fault == "hang-in-hello":
             time.sleep(100)
         if fault == "other-protocol":
@@ -119,6 +122,8 @@ for line in sys.stdin:
             del answer["cpu"]
         if fault == "memory":
             held += [bytearray(1 << 20) for _ in range(1 << 14)]
+        if fault == "detached":
+            subprocess.Popen(["sleep", "321"], start_new_session=True)
         if fault == "grandchild":
             subprocess.Popen(["sleep", "321"])
             sys.exit(0)

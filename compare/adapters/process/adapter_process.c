@@ -70,7 +70,7 @@ static bool read_bodies(const json_t *answer, pl_engine_instance *instance,
 {
     const long expected = (long)instance->scene->body_count * FRAME_NUMBERS;
     long count;
-    if (!pl_channel_count(answer, "frame", &count, diagnostic)) {
+    if (!pl_channel_count(&program.channel, answer, "frame", &count, diagnostic)) {
         return false;
     }
     if (count != expected) {
@@ -90,7 +90,7 @@ static bool read_contact_list(const json_t *answer, pl_engine_instance *instance
     if (width == 0) {
         return true;
     }
-    if (!pl_channel_count(answer, "contacts", &count, diagnostic)) {
+    if (!pl_channel_count(&program.channel, answer, "contacts", &count, diagnostic)) {
         return false;
     }
     if (count <= 0) {
@@ -181,8 +181,12 @@ static pl_status process_create(const pl_engine_setup *setup, pl_engine_instance
                                 pl_error *error)
 {
     const pl_scene *scene = setup->scene;
-    pl_engine_instance *instance = calloc(1, sizeof *instance);
     *out = NULL;
+    if (setup->profile >= program.hello.table.profile_count) {
+        return pl_engine_error(error, PL_FAILED,
+                               "it has fewer profiles than when it was first started");
+    }
+    pl_engine_instance *instance = calloc(1, sizeof *instance);
     if (instance != NULL) {
         instance->scene = scene;
         instance->bodies = calloc((size_t)scene->body_count + 1, sizeof *instance->bodies);

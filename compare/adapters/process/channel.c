@@ -2,147 +2,18 @@
 
 #include "base/json_field.h"
 
-#include <ctype.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <poll.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/pidfd.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
-/* The longest answer, and how long a program has to end by itself. */
-enum { MOST_ANSWER = 256 << 20, CHUNK = 1 << 16, PATIENCE_MS = 1000 };
-
-/* The descriptor of the file of numbers in the program. */
-enum { NUMBERS = STDERR_FILENO + 1 };
-
-/* The exit codes of a shell that cannot run a command. */
-enum { EXIT_NOT_EXECUTABLE = 126, EXIT_NOT_FOUND = 127 };
-
-/* ---- Start and end ---- */
-
-static void close_end(int *descriptor)
-{
-    if (*descriptor >= 0) {
-        close(*descriptor);
-        *descriptor = -1;
-    }
-}
-
-/* Whether the command begins with NAME=VALUE, which `exec` does not take. */
-static bool sets_variable(const char *command)
-{
-    size_t length = 0;
-    while (isalnum((unsigned char)command[length]) || command[length] == '_') {
-        ++length;
-    }
-    return length > 0 && !isdigit((unsigned char)command[0]) && command[length] == '=';
-}
-
-static _Noreturn void run_program(const char *command, pid_t parent, int input, int output,
-                                  int numbers)
-{
-    char *text = NULL;
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    signal(SIGPIPE, SIG_DFL);
-    command += strspn(command, " \t\n");
-    if (getppid() != parent ||
-        asprintf(&text, "exec %s%s", sets_variable(command) ? "env " : "", command) < 0 ||
-        dup2(input, STDIN_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0 ||
-        (numbers != NUMBERS ? dup2(numbers, NUMBERS) : fcntl(NUMBERS, F_SETFD, 0)) < 0) {
-        _exit(EXIT_NOT_EXECUTABLE);
-    }
-    execl("/bin/sh", "sh", "-c", text, (char *)NULL);
-    _exit(EXIT_NOT_EXECUTABLE);
-}
-
-pl_status pl_channel_open(pl_channel *channel, const char *command, pl_error *error)
-{
-    int input[2] = {-1, -1}, output[2] = {-1, -1};
-    *channel = (pl_channel){.handle = -1, .input = -1, .output = -1};
-    channel->numbers = memfd_create("numbers", MFD_CLOEXEC);
-    const bool has_pipes = pipe2(input, O_CLOEXEC) == 0 && pipe2(output, O_CLOEXEC) == 0;
-    if (channel->numbers >= 0 && has_pipes) {
-        /* A program that has ended must not end this one. */
-        signal(SIGPIPE, SIG_IGN);
-        fflush(NULL);
-        const pid_t parent = getpid();
-        const pid_t pid = fork();
-        if (pid == 0) {
-            run_program(command, parent, input[0], output[1], channel->numbers);
-        }
-        channel->pid = pid > 0 ? pid : 0;
-        channel->handle = pid > 0 ? pidfd_open(pid, 0) : -1;
-    }
-    const int cause = errno;
-    channel->input = input[1];
-    channel->output = output[0];
-    close_end(&input[0]);
-    close_end(&output[1]);
-    if (channel->handle < 0) {
-        pl_channel_close(channel);
-        return pl_fail(error, PL_IO, "cannot start \"%s\": %s", command, strerror(cause));
-    }
-    fcntl(channel->input, F_SETFL, O_NONBLOCK);
-    fcntl(channel->output, F_SETFL, O_NONBLOCK);
-    return PL_OK;
-}
-
-/* Waits until the program has ended. False: it has not within that time. */
-static bool has_ended(const pl_channel *channel, int milliseconds)
-{
-    struct pollfd end = {.fd = channel->handle, .events = POLLIN};
-    return poll(&end, 1, milliseconds) > 0;
-}
-
-void pl_channel_close(pl_channel *channel)
-{
-    close_end(&channel->input);
-    close_end(&channel->output);
-    if (channel->pid > 0) {
-        if (channel->handle < 0 || !has_ended(channel, PATIENCE_MS)) {
-            kill(channel->pid, SIGKILL);
-        }
-        waitpid(channel->pid, NULL, 0);
-    }
-    close_end(&channel->handle);
-    close_end(&channel->numbers);
-    pl_text_free(&channel->request);
-    free(channel->text);
-    *channel = (pl_channel){.handle = -1, .input = -1, .output = -1, .numbers = -1};
-}
-
-/* How the program ended that has closed its output. PL_BAD_INPUT: the command names none. */
-static pl_status describe_end(const pl_channel *channel, char *text, size_t size)
-{
-    siginfo_t info = {.si_pid = 0};
-    pl_status status = PL_FAILED;
-    if (!has_ended(channel, PATIENCE_MS) ||
-        waitid(P_PID, (id_t)channel->pid, &info, WEXITED | WNOWAIT) != 0) {
-        snprintf(text, size, "the program closed its standard output");
-    } else if (info.si_code == CLD_EXITED && info.si_status == EXIT_NOT_FOUND) {
-        snprintf(text, size, "the program was not found");
-        status = PL_BAD_INPUT;
-    } else if (info.si_code == CLD_EXITED && info.si_status == EXIT_NOT_EXECUTABLE) {
-        snprintf(text, size, "the program cannot be run");
-    } else if (info.si_code == CLD_EXITED) {
-        snprintf(text, size, "the program called exit(%d)", info.si_status);
-    } else {
-        const char *name = sigabbrev_np(info.si_status);
-        snprintf(text, size, "the program ended by SIG%s", name == NULL ? "?" : name);
-    }
-    return status;
-}
+/* The longest answer. */
+enum { MOST_ANSWER = 256 << 20, CHUNK = 1 << 16 };
 
 /* ---- Bytes ---- */
 
@@ -207,21 +78,11 @@ static pl_status exchange(pl_channel *channel, const char *what, size_t *size, p
         }
         if (is_over) {
             char how[96];
-            status = describe_end(channel, how, sizeof how);
+            status = pl_channel_describe_end(channel, how, sizeof how);
             return pl_fail(error, status, "%s instead of answering %s%s", how, what,
                            channel->length > 0 ? ", in the middle of a line" : "");
         }
     }
-}
-
-double pl_cpu_time_of(pid_t pid)
-{
-    clockid_t clock;
-    struct timespec used;
-    if (pid <= 0 || clock_getcpuclockid(pid, &clock) != 0 || clock_gettime(clock, &used) != 0) {
-        return 0;
-    }
-    return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
 }
 
 /* What the program keeps in the file of numbers is memory, which no limit of the system's counts as
@@ -291,7 +152,7 @@ static pl_status read_answer(const pl_channel *channel, const char *what, size_t
     json_error_t syntax;
     json_t *answer =
         json_loadb(channel->text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &syntax);
-    if (answer == NULL && json_error_code(&syntax) == json_error_out_of_memory) {
+    if (answer == NULL && pl_json_lacked_memory(&syntax)) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the answer to %s", what);
     }
     if (!json_is_object(answer)) {
@@ -366,18 +227,38 @@ static bool is_whole(const json_t *number, double most)
     return json_is_number(number) && value >= 0 && value <= most && value == floor(value);
 }
 
-bool pl_channel_count(const json_t *answer, const char *key, long *count, pl_diagnostic *diagnostic)
+/* Whether the file of numbers has so many at that place. */
+static bool has_numbers(const pl_channel *channel, const char *key, double begin, double count,
+                        pl_diagnostic *diagnostic)
+{
+    struct stat file;
+    const double size = fstat(channel->numbers, &file) == 0 ? (double)file.st_size : 0;
+    const double found = floor(fmax(0, size - begin) / sizeof(double));
+    return found >= count ||
+           pl_diagnose_field(diagnostic, key,
+                             "expected %.0f numbers at byte %.0f of descriptor 3, found %.0f",
+                             count, begin, found);
+}
+
+bool pl_channel_count(const pl_channel *channel, const json_t *answer, const char *key, long *count,
+                      pl_diagnostic *diagnostic)
 {
     const json_t *numbers = json_object_get(answer, key);
     const json_t *given = json_object_get(numbers, "count");
-    const bool in_file = json_is_object(numbers) && is_whole(given, MOST_ANSWER) &&
-                         is_whole(json_object_get(numbers, "offset"), 1e15);
-    *count = numbers == NULL          ? -1
-             : json_is_array(numbers) ? (long)json_array_size(numbers)
-             : in_file                ? (long)json_number_value(given)
-                                      : 0;
-    return numbers == NULL || json_is_array(numbers) || in_file ||
-           wrong_numbers(numbers, key, diagnostic);
+    const json_t *offset = json_object_get(numbers, "offset");
+    *count = -1;
+    if (numbers == NULL) {
+        return true;
+    }
+    if (json_is_array(numbers)) {
+        *count = (long)json_array_size(numbers);
+        return true;
+    }
+    if (!is_whole(given, MOST_ANSWER) || !is_whole(offset, 1e15)) {
+        return wrong_numbers(numbers, key, diagnostic);
+    }
+    *count = (long)json_number_value(given);
+    return has_numbers(channel, key, json_number_value(offset), (double)*count, diagnostic);
 }
 
 static bool read_file(const pl_channel *channel, const json_t *part, const char *key,
@@ -389,10 +270,8 @@ static bool read_file(const pl_channel *channel, const json_t *part, const char 
     while (done < size) {
         const ssize_t length =
             pread(channel->numbers, (char *)values + done, size - done, (off_t)begin + (off_t)done);
-        if (length <= 0) {
-            return pl_diagnose_field(diagnostic, key,
-                                     "expected %ld numbers at byte %.0f of descriptor 3, found %zu",
-                                     count, begin, done / sizeof *values);
+        if (length <= 0) { /* it has become shorter */
+            return has_numbers(channel, key, begin, (double)count, diagnostic);
         }
         done += (size_t)length;
     }

@@ -36,6 +36,10 @@ pl_status pl_channel_open(pl_channel *channel, const char *command, pl_error *er
  * the channel holds. */
 void pl_channel_close(pl_channel *channel);
 
+/* How the program ended that has closed its output, as a part of a sentence. PL_BAD_INPUT: the command
+ * names none; PL_FAILED otherwise. */
+pl_status pl_channel_describe_end(const pl_channel *channel, char *text, size_t size);
+
 /* The CPU time that a process has used so far, in all threads, s; 0: there is none. */
 double pl_cpu_time_of(pid_t pid);
 
@@ -51,8 +55,8 @@ pl_status pl_channel_ask(pl_channel *channel, const char *what, pl_answer_reader
                          pl_error *error);
 
 /* The number of numbers that the answer has at `key`: of an array, or of a part of the file of
- * numbers; -1: there is no such key. */
-bool pl_channel_count(const json_t *answer, const char *key, long *count,
+ * numbers, which has as many; -1: there is no such key. */
+bool pl_channel_count(const pl_channel *channel, const json_t *answer, const char *key, long *count,
                       pl_diagnostic *diagnostic);
 
 /* Copies them to values[count], as many as pl_channel_count says. null becomes NAN. */

@@ -44,7 +44,7 @@
  * order: create; read_settings, read_pair, read_frame; then for each step: step, read_frame,
  * read_contacts; at the end destroy, and the shared object is unloaded. It has descriptors 0 to 2,
  * and others that are not the engine's. What an engine prints is captured; a crash, an exit, a hang
- * is the outcome of that run. The floating-point environment is restored after every call. The
+ * is the outcome of that run. Processes that it has started end with it. The floating-point environment is restored after every call. The
  * shared object's own symbols come before those of libraries that the harness links. Only the calls of step count as time per step; create and the reading are timed apart. */
 #ifndef PLUMB_ENGINE_ABI_H
 #define PLUMB_ENGINE_ABI_H
