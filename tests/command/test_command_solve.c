@@ -322,6 +322,39 @@ static void squeeze(char *text)
     *to = '\0';
 }
 
+/* The problems of a benchmark that keeps a journal of so many values before it. */
+static json_t *problems_with_journal(const desk *d, size_t before)
+{
+    pl_error error = {.message = ""};
+    pl_journal *journal = NULL;
+    char *report = path_in(d->directory, "report"), *path = pl_benchmark_path(report, "json");
+    char *const argv[] = {"plumb", "solve", NULL};
+    assert_int_equal(
+        pl_journal_open(d->directory, "solve", "0", PL_STORE_RESUME, &journal, &error), PL_OK);
+    assert_int_equal(pl_journal_size(journal), before);
+    assert_int_equal(pl_benchmark_run(small, 2, report, journal, 2, argv, &error), PL_OK);
+    /* A value for each cell, and one for each problem. */
+    assert_int_equal(pl_journal_size(journal), 2 * pe_solver_count() + 2);
+    pl_journal_close(journal, false);
+    char *text = read_text(path);
+    json_t *json = parse(text);
+    json_t *problems = json_incref(json_object_get(json, "problems"));
+    json_decref(json);
+    free(text);
+    free(path);
+    free(report);
+    return problems;
+}
+
+static void test_a_resumed_benchmark_solves_nothing_again(void **state)
+{
+    json_t *first = problems_with_journal(*state, 0);
+    json_t *again = problems_with_journal(*state, (size_t)(2 * pe_solver_count() + 2));
+    assert_true(json_equal(first, again)); /* also in its times */
+    json_decref(first);
+    json_decref(again);
+}
+
 static void test_the_benchmark_writes_losses_first_and_every_cell(void **state)
 {
     desk *d = *state;
@@ -433,6 +466,7 @@ int main(void)
         cmocka_unit_test(test_run_captures_every_island_if_path_has_braces),
         cmocka_unit_test(test_capturing_does_not_change_the_result),
         cmocka_unit_test(test_run_reports_impossible_captures),
+        cmocka_unit_test(test_a_resumed_benchmark_solves_nothing_again),
         cmocka_unit_test(test_the_benchmark_writes_losses_first_and_every_cell),
         cmocka_unit_test(test_benchmark_means_are_geometric_over_common_tolerances),
         cmocka_unit_test(test_benchmark_table_names_existing_scenarios_and_parameters),
