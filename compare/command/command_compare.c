@@ -249,13 +249,13 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
                            : pl_store_open(o->request.out, mode, report_files, &store, &error);
     char *recordings = NULL;
     if (status == PL_OK) {
-        status = pl_call_journal(call, o->request.out, mode, &journal, &error);
-    }
-    if (status == PL_OK) {
         status = prepare_recordings(o, &recordings, &error);
     }
     if (status == PL_OK) {
         status = begin_references(o, plan, &r, &error);
+    }
+    if (status == PL_OK && (o->tolerance || r.due > 0)) {
+        status = pl_call_journal(call, o->request.out, mode, &journal, &error);
     }
     if (status == PL_OK) {
         pl_request_note_threads(call, plan);
