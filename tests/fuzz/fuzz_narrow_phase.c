@@ -15,8 +15,8 @@ enum { HEAD = 11, NUDGE = 7, MOST_NUDGES = 8 };
 /* Of the size: where libccd's answer is certain. Of flat hulls it misses shallow overlaps. */
 static const double CERTAINLY_APART = 1e-2, CERTAINLY_OVERLAP = 0.25;
 
-/* Of the reach: rounding of far corners of a solid that is small in another direction. */
-static const double ROUNDING = 1e-11;
+/* Of the reach: what directions between edges of a solid that is small across leave at its far corners. */
+static const double ROUNDING = 1e-10;
 
 static const char *const kind_names[] = {"plane",    "sphere", "box", "capsule",
                                          "cylinder", "hull",   "mesh"};

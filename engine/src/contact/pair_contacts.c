@@ -9,6 +9,7 @@
 #include "pair_contacts.h"
 
 #include "contact_points.h"
+#include "model/ranges.h"
 
 #include <string.h>
 
@@ -329,7 +330,7 @@ static void examine(pe_search *s, pe_pair pair, examined *e)
         .pose_a = pose_a,
         .pose_b = pose_b,
         .size = both ? pe_min(a->size, b->size) : pe_max(a->size, b->size),
-        .margin = s->dt * (pe_length(closing) + spin) + s->slack,
+        .margin = pe_min(s->dt * (pe_length(closing) + spin) + s->slack, PE_MOST_MARGIN),
         .position = pe_unrotate(&large->rotation, pe_sub(small->position, large->position)),
         .orientation = pe_quat_product(pe_quat_conjugate(large->orientation), small->orientation),
         .radius = b_is_larger ? ra : rb,

@@ -8,6 +8,7 @@
 
 #define PE_LEAST_LENGTH 1e-12
 #define PE_MOST_LENGTH 1e12 /* also of places */
+#define PE_MOST_MARGIN 1e16 /* m: all places of a step are nearer to each other */
 #define PE_MOST_SPEED 1e12  /* m/s, rad/s, m/s^2 */
 #define PE_LEAST_MASS 1e-30
 #define PE_MOST_MASS 1e30 /* kg; also of forces, in N */
