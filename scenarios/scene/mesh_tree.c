@@ -136,13 +136,13 @@ double pl_mesh_tolerance(const pl_mesh_tree *tree)
 
 long pl_mesh_most_near(int triangle_count)
 {
-    return 65536 + 512L * triangle_count;
+    return 65536 + 2560L * triangle_count;
 }
 
 bool pl_mesh_diagnose_near(pl_diagnostic *diagnostic)
 {
     return pl_diagnose_field(diagnostic, "triangles",
-                             "expected triangles that are near 512 others on average at most, "
+                             "expected triangles that are near 2560 others on average at most, "
                              "found them near more");
 }
 

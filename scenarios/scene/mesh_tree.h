@@ -38,7 +38,7 @@ void pl_mesh_box(const pl_mesh_tree *tree, int t, double low[3], double high[3])
 double pl_mesh_tolerance(const pl_mesh_tree *tree);
 
 /* How many triangles a check of a mesh may look at near others, so that its time is bounded: a fan
- * of 4096 triangles has as many. */
+ * of 4096 triangles has fewer, with one corner or the middle common. */
 long pl_mesh_most_near(int triangle_count);
 
 /* Reports that there are more. Returns false. */

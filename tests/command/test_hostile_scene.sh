@@ -53,7 +53,7 @@ expect 2 'found none to read' scene scenes/named.json
 is_plain "the name of a mesh's file"
 expect 2 'there is no command' "$bad"
 is_plain "the name of a command"
-cp scenes/inside.json "$bad.json"
-expect 0 'ok, ' run "./$bad.json" --engine plumb
+cp scenes/inside.json "scenes/$bad.json"
+expect 0 'ok, ' run "scenes/$bad.json" --engine plumb
 is_plain "the name of a scene file in a table"
 exit $failed

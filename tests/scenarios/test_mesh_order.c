@@ -57,7 +57,7 @@ static bool check_orders(check_random *random, int count)
     for (int i = 0; i < count; ++i) {
         reorder(random);
         assert_int_equal(is_accepted(&other, &other_volume), accepted);
-        assert_close(other_volume, volume, 0.01, 0);
+        assert_close(other_volume, volume, 0, 0.01);
     }
     return accepted;
 }

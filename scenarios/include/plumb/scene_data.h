@@ -23,7 +23,7 @@ enum {
     PL_MAX_BODIES = 200000,          /* bodies */
     PL_MAX_STEPS = 10000000,         /* steps of a run */
     PL_MAX_SCENE_BYTES = 64 << 20,   /* bytes of a scene file, and of its .obj files together */
-    PL_MAX_SCENE_TRIANGLES = 1 << 22 /* triangles of its hulls and meshes together */
+    PL_MAX_SCENE_TRIANGLES = 1 << 21 /* triangles of its hulls and meshes together */
 };
 
 /* The kinds of shapes. */
