@@ -472,7 +472,10 @@ pl_status pl_engine_describe(const char *path, const char *command, const pl_bui
     known->info.path = path == NULL ? NULL : strdup(path);
     known->info.built_in = built_in;
     known->info.command = command == NULL ? NULL : strdup(command);
-    pl_status status = ask(known, error);
+    pl_status status = (path != NULL && known->info.path == NULL) ||
+                               (command != NULL && known->info.command == NULL)
+                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for an engine")
+                           : ask(known, error);
     if (status != PL_OK) {
         json_decref(known->description);
         free(known->defaults);
