@@ -329,8 +329,8 @@ static json_t *problems_with_journal(const desk *d, size_t before)
     pl_journal *journal = NULL;
     char *report = path_in(d->directory, "report"), *path = pl_benchmark_path(report, "json");
     char *const argv[] = {"plumb", "solve", NULL};
-    assert_int_equal(
-        pl_journal_open(d->directory, "solve", "0", PL_STORE_RESUME, &journal, &error), PL_OK);
+    assert_int_equal(pl_journal_open(d->directory, "solve", "0", PL_STORE_RESUME, &journal, &error),
+                     PL_OK);
     assert_int_equal(pl_journal_size(journal), before);
     assert_int_equal(pl_benchmark_run(small, 2, report, journal, 2, argv, &error), PL_OK);
     /* A value for each cell, and one for each problem. */

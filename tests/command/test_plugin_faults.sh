@@ -243,7 +243,11 @@ done
 ((i < 100)) || note_failure 'the offspring outlives the harness'
 
 # With few descriptors there are fewer runs at a time.
-(ulimit -n 12 && "$PLUMB" compare ./scene.json --engine ./none-none.so --repeat 6 --jobs 30 --out few >/dev/null 2>err) ||
+(for open in /proc/self/fd/*; do # those that ctest has left open count too
+    number=${open##*/}
+    [[ $number -le 2 || $number == 255 ]] || eval "exec $number>&-"
+done
+ulimit -n 12 && "$PLUMB" compare ./scene.json --engine ./none-none.so --repeat 6 --jobs 30 --out few >/dev/null 2>err) ||
     note_failure "few descriptors: $(cat err)"
 [[ $(wc -l <few/results.jsonl) == 6 ]] || note_failure 'few descriptors: runs are missing'
 

@@ -39,7 +39,7 @@ expect 3 'a/index.html was not opened: .*set BROWSER' view a
 rm browser-fails
 BROWSER=none expect 3 'was not opened: "none" failed' view a
 
-"$PLUMB" doctor >out 2>err || [[ $? == 3 ]] || note_failure "doctor: $(cat err)"
+PLUMB_CACHE=$PWD/cache "$PLUMB" doctor >out 2>err || [[ $? == 3 ]] || note_failure "doctor: $(cat err)"
 grep -qE '^plumb +[0-9.]+ +native +not verified: plumb check-engine plumb' out || note_failure "doctor: $(cat out)"
 for engine in ode bullet mujoco dart rapier; do
     grep -qE "^$engine +([0-9.]+ +native|[0-9.]+ +[a-z]+|absent|fault)" out || note_failure "doctor: $engine: $(cat out)"
