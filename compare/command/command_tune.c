@@ -141,7 +141,7 @@ static int run(const pl_call *call)
     pl_call_parse(call, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
-    pl_tune_space space;
+    pl_tune_space space = {.parameter_count = 0};
     int code = PL_EXIT_OK;
     pl_status status = PL_OK;
     if (!pl_search_has_nlopt()) {
@@ -165,7 +165,7 @@ static int run(const pl_call *call)
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
-    } else if (plan.configuration_count == 0) {
+    } else if (space.base.engine == NULL) {
         code = pl_call_nothing(call, "there is no engine to tune");
     } else {
         code = tune(call, &o, &plan, &space);

@@ -140,9 +140,9 @@ static pl_status write_print(const drawing *d, pl_figure_format format, const ch
         return pl_fail(error, PL_BAD_INPUT, "--figure: nothing could be drawn of this scenario");
     }
     snprintf(window, sizeof window, "%d,%d", width, height);
-    snprintf(drawn, sizeof drawn, "%s/picture", d->folder);
-    snprintf(option, sizeof option, "--%s=%s",
-             format == PL_FIGURE_PNG ? "screenshot" : "print-to-pdf", drawn);
+    const bool is_png = format == PL_FIGURE_PNG;
+    snprintf(drawn, sizeof drawn, "%s/picture.%s", d->folder, is_png ? "png" : "pdf");
+    snprintf(option, sizeof option, "--%s=%s", is_png ? "screenshot" : "print-to-pdf", drawn);
     pl_status status = run_chromium(d, option, window, error);
     if (status == PL_OK) {
         status = pl_file_read(&kind, drawn, &text, &length, error);
@@ -156,7 +156,7 @@ static pl_status write_print(const drawing *d, pl_figure_format format, const ch
 
 static void clean(drawing *d)
 {
-    static const char *const names[] = {"index.html", "drawn", "picture"};
+    static const char *const names[] = {"index.html", "drawn", "picture.png", "picture.pdf"};
     for (size_t i = 0; i < sizeof names / sizeof names[0] && d->folder[0] != '\0'; ++i) {
         char path[96];
         snprintf(path, sizeof path, "%s/%s", d->folder, names[i]);

@@ -189,7 +189,7 @@ pl_status pl_write_text(const char *path, const char *text, size_t length, pl_er
 static bool has_content(const char *path)
 {
     struct stat found;
-    return stat(path, &found) == 0 && S_ISREG(found.st_mode) && found.st_size > 0;
+    return path != NULL && stat(path, &found) == 0 && S_ISREG(found.st_mode) && found.st_size > 0;
 }
 
 pl_status pl_output_check(const char *path, bool force, pl_error *error)

@@ -337,8 +337,10 @@ bool pl_mesh_turn_cavities(const pl_mesh_tree *tree, int vertex_count, int (*tri
                  .tolerance = pl_mesh_tolerance(tree),
                  .left = pl_mesh_most_near(triangle_count)};
     bool *is_cavity = calloc((size_t)surface_count, sizeof *is_cavity);
-    bool right = (is_cavity != NULL && create_nesting(&n, vertex_count, triangle_count)) ||
-                 pl_diagnose_no_memory(diagnostic);
+    bool right = is_cavity != NULL && create_nesting(&n, vertex_count, triangle_count);
+    if (!right) {
+        pl_diagnose_no_memory(diagnostic);
+    }
     right = right && find_cavities(&n, is_cavity, diagnostic);
     for (int t = 0; t < triangle_count && right; ++t) {
         if (is_cavity[surface[t]]) {

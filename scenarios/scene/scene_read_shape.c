@@ -14,6 +14,9 @@
 /* The scene takes `made`, which becomes the shape's. */
 static bool keep(pl_shape_reader *r, const char *name, pl_polyhedron *made, pl_shape *shape)
 {
+    if (made == NULL) {
+        return pl_diagnose_no_memory(r->diagnostic);
+    }
     snprintf(made->name, sizeof made->name, "%s", name);
     r->triangles += made->triangle_count;
     if (r->triangles > PL_MAX_SCENE_TRIANGLES) {
