@@ -9,8 +9,10 @@
 #include "results/result.h"
 
 #include <argp.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { MAX_OPTIONS = 64, FIRST_KEY = 0x100 };
 
@@ -313,8 +315,14 @@ pl_status pl_call_journal(const pl_call *call, const char *folder, pl_store_mode
         }
     }
     pl_hash_hex(hash, study);
-    return pl_journal_open(folder == NULL ? "." : folder, call->command->name, study, mode, journal,
-                           error);
+    const char *where = folder == NULL ? "." : folder;
+    const pl_status status =
+        pl_journal_open(where, call->command->name, study, mode, journal, error);
+    if (status == PL_OK && *journal == NULL && access(where, W_OK) != 0) {
+        pl_print_line(stderr, "%s: %s: --resume will not find the runs of this study", where,
+                      strerror(errno));
+    }
+    return status;
 }
 
 int pl_call_end_study(const pl_call *call, pl_journal *journal, pl_status status,

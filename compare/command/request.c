@@ -173,7 +173,7 @@ const pl_option pl_study_options[] = {
      "Take the runs of the same command that did not come to its end, and make those that are "
      "missing",
      PL_OPTION_FLAG, .field = offsetof(pl_request, resume)},
-    {"force", NULL, "Begin anew where there are such runs, and replace files that exist",
+    {"force", NULL, "Discard the runs of an unfinished study, and replace files that exist",
      PL_OPTION_FLAG, .field = offsetof(pl_request, force)},
     {0}};
 

@@ -120,7 +120,7 @@ static bool arrange_descriptors(int output, int answer)
 }
 
 static _Noreturn void run_supervisor(const job_def *job, pid_t parent, int output, int answer,
-                                     pl_supervision *told)
+                                     pl_supervision *report)
 {
     pl_supervisor_begin(parent);
     const pid_t self = getpid();
@@ -129,12 +129,12 @@ static _Noreturn void run_supervisor(const job_def *job, pid_t parent, int outpu
         _exit(1);
     }
     if (pid == 0) {
-        munmap(told, sizeof *told);
+        munmap(report, sizeof *report);
         run_job(job, self);
     }
-    atomic_store(&told->job, pid);
+    atomic_store(&report->job, pid);
     close_range(STDIN_FILENO, ANSWER, 0);
-    pl_supervise(pid, told);
+    pl_supervise(pid, report);
 }
 
 static void close_end(int *descriptor)
@@ -154,10 +154,10 @@ pl_status pl_process_start(pl_process *process, const pl_limits *limits,
     *process = (pl_process){.supervisor = -1, .handle = -1, .output = -1, .answer = -1};
     process->text_capacity = CHUNK;
     process->text = malloc(process->text_capacity);
-    void *shared = mmap(NULL, sizeof *process->told, PROT_READ | PROT_WRITE,
+    void *shared = mmap(NULL, sizeof *process->report, PROT_READ | PROT_WRITE,
                         MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    process->told = shared == MAP_FAILED ? NULL : shared;
-    if (process->text == NULL || process->told == NULL) {
+    process->report = shared == MAP_FAILED ? NULL : shared;
+    if (process->text == NULL || process->report == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory");
         goto cleanup;
     }
@@ -172,7 +172,8 @@ pl_status pl_process_start(pl_process *process, const pl_limits *limits,
     process->deadline = process->started + limits->timeout;
     process->supervisor = fork();
     if (process->supervisor == 0) {
-        run_supervisor(&(job_def){limits, job, user}, parent, output[1], answer[1], process->told);
+        run_supervisor(&(job_def){limits, job, user}, parent, output[1], answer[1],
+                       process->report);
     }
     process->handle = process->supervisor < 0 ? -1 : pidfd_open(process->supervisor, 0);
     if (process->handle < 0) {
@@ -278,7 +279,7 @@ static void take(pl_process *process, int *descriptor,
 
 pid_t pl_process_job(const pl_process *process)
 {
-    return atomic_load(&process->told->job);
+    return atomic_load(&process->report->job);
 }
 
 void pl_process_end(const pl_process *process)
@@ -291,8 +292,8 @@ void pl_process_end(const pl_process *process)
 static void reap(pl_process *process)
 {
     while (waitpid(process->supervisor, &process->wait_status, 0) < 0 && errno == EINTR) {}
-    if (atomic_load(&process->told->has_ended)) {
-        process->wait_status = process->told->wait_status;
+    if (atomic_load(&process->report->has_ended)) {
+        process->wait_status = process->report->wait_status;
     }
 }
 
@@ -351,9 +352,9 @@ void pl_process_free(pl_process *process)
     close_end(&process->answer);
     free(process->text);
     process->text = NULL;
-    if (process->told != NULL) {
-        munmap(process->told, sizeof *process->told);
-        process->told = NULL;
+    if (process->report != NULL) {
+        munmap(process->report, sizeof *process->report);
+        process->report = NULL;
     }
 }
 

@@ -34,7 +34,7 @@ typedef struct pl_limits {
 /* A job's process, and its supervisor. */
 typedef struct pl_process {
     pid_t supervisor;
-    pl_supervision *told;       /* by the supervisor */
+    pl_supervision *report;     /* of the supervisor */
     int handle, output, answer; /* pidfd of the supervisor, and reading ends; -1: closed */
     double started, deadline;   /* s, of pl_monotonic_seconds */
     bool timed_out;

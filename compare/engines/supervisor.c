@@ -40,7 +40,7 @@ void pl_supervisor_begin(pid_t parent)
 }
 
 /* Reaps the children that have ended. False: there are none left. */
-static bool reap(pid_t job, pl_supervision *told)
+static bool reap(pid_t job, pl_supervision *report)
 {
     siginfo_t ended;
     for (;;) {
@@ -54,8 +54,8 @@ static bool reap(pid_t job, pl_supervision *told)
         if (ended.si_pid == job) {
             /* Its session, while no other process can have its number. */
             kill(-job, SIGKILL);
-            waitpid(job, &told->wait_status, 0);
-            atomic_store(&told->has_ended, true);
+            waitpid(job, &report->wait_status, 0);
+            atomic_store(&report->has_ended, true);
         } else {
             waitpid(ended.si_pid, NULL, 0);
         }
@@ -93,16 +93,16 @@ static void kill_children(void)
     }
 }
 
-void pl_supervise(pid_t job, pl_supervision *told)
+void pl_supervise(pid_t job, pl_supervision *report)
 {
     const sigset_t handled = handled_signals();
     struct timespec now;
-    bool has_children = reap(job, told);
-    while (has_children && !atomic_load(&told->has_ended)) {
+    bool has_children = reap(job, report);
+    while (has_children && !atomic_load(&report->has_ended)) {
         if (sigwaitinfo(&handled, NULL) == SIGTERM) {
             kill(job, SIGKILL);
         }
-        has_children = reap(job, told);
+        has_children = reap(job, report);
     }
     clock_gettime(CLOCK_MONOTONIC, &now);
     const time_t end = now.tv_sec + PATIENCE;
@@ -110,7 +110,7 @@ void pl_supervise(pid_t job, pl_supervision *told)
     while (has_children && now.tv_sec <= end) {
         kill_children();
         sigtimedwait(&handled, NULL, &NAP);
-        has_children = reap(job, told);
+        has_children = reap(job, report);
         clock_gettime(CLOCK_MONOTONIC, &now);
     }
     _exit(0);

@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <sys/types.h>
 
-/* What a supervisor tells the harness, in memory that both map and the job does not. */
+/* What a supervisor reports to the harness, in memory that both map and the job does not. */
 typedef struct pl_supervision {
     _Atomic(int) job; /* its process; 0: it has not started */
     atomic_bool has_ended;
@@ -26,6 +26,6 @@ void pl_supervisor_begin(pid_t parent);
 /* In the supervisor: waits until the job has ended, kills it at SIGTERM, which is also what the death of
  * the harness sends, and ends this process when no descendant is left. One that cannot be killed is
  * waited for 5 s. */
-_Noreturn void pl_supervise(pid_t job, pl_supervision *told);
+_Noreturn void pl_supervise(pid_t job, pl_supervision *report);
 
 #endif

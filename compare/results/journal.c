@@ -43,22 +43,23 @@ pl_status pl_journal_open(const char *folder, const char *name, const char *stud
     pl_journal *made = calloc(1, sizeof *made);
     *journal = NULL;
     if (access(folder, W_OK) != 0 && (errno == EACCES || errno == EROFS)) {
-        fprintf(stderr, "%s: %s: --resume will not find the runs of this study\n", folder,
-                strerror(errno));
         free(made);
         return PL_OK;
     }
     if (made == NULL ||
-        asprintf(&made->path, "%s/plumb-%s-%s.unfinished", folder, name, study) < 0 ||
-        asprintf(&path, "%s.jsonl", made->path) < 0) {
+        asprintf(&made->path, "%s/plumb-%s-%s.unfinished", folder, name, study) < 0) {
+        free(made);
+        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    if (asprintf(&path, "%s.jsonl", made->path) < 0) {
+        free(made->path);
         free(made);
         return pl_fail(error, PL_NO_MEMORY, "out of memory");
     }
     made->left = json_object();
     pl_status status = pl_store_open_file(
         path, schema, mode,
-        "has runs of this study, which did not end: --resume goes on from there, and --force "
-        "begins anew",
+        "has runs of an unfinished study: --resume continues it, and --force discards them",
         &made->store, error);
     if (status == PL_OK) {
         status = sort_by_key(made, error);

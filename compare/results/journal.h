@@ -10,8 +10,8 @@
 typedef struct pl_journal pl_journal;
 
 /* Opens the journal FOLDER/plumb-NAME-STUDY.unfinished.jsonl, where `study` is a hash that tells
- * studies of the command `name` apart. `*journal` stays NULL, with a line on standard error, where
- * the folder takes no files: nothing is then kept. PL_BAD_INPUT, which changes nothing: with
+ * studies of the command `name` apart. `*journal` stays NULL where the folder takes no
+ * files: nothing is then kept. PL_BAD_INPUT, which changes nothing: with
  * PL_STORE_NEW, a study was not finished. PL_IO also when another process is making the study. */
 pl_status pl_journal_open(const char *folder, const char *name, const char *study,
                           pl_store_mode mode, pl_journal **journal, pl_error *error);

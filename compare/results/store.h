@@ -22,7 +22,7 @@ pl_status pl_write_text(const char *path, const char *text, size_t length, pl_er
 bool pl_is_stdout(const char *path);
 
 /* PL_BAD_INPUT where `path` is a file that is not empty, which a command is to replace only with
- * `force`. NULL, "-" and what is no regular file are well. */
+ * `force`. NULL, "-" and a path that is no regular file are accepted. */
 pl_status pl_output_check(const char *path, bool force, pl_error *error);
 
 /* Writes JSON as text in the same way; nothing where `path` is NULL. */

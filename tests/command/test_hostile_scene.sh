@@ -10,13 +10,13 @@ body='"name": "b", "mass": 1'
 scene_with() { # scene_with FILE: a scene whose mesh is in FILE
     printf '{ "plumb_scene": 1, "duration": 0.02, "bodies": [ { %s, "shape": { "type": "mesh", "file": "%s" } } ] }\n' "$body" "$1"
 }
-mkdir scenes shared
+mkdir scenes meshes
 cp "$SOURCE/tests/scenarios/obj/tetrahedron.obj" scenes/inside.obj
-cp "$SOURCE/tests/scenarios/obj/tetrahedron.obj" shared/outside.obj
+cp "$SOURCE/tests/scenarios/obj/tetrahedron.obj" meshes/outside.obj
 echo "secret: words" >scenes/secret.obj
 mkfifo scenes/fifo.obj
 scene_with inside.obj >scenes/inside.json
-scene_with ../shared/outside.obj >scenes/outside.json
+scene_with ../meshes/outside.obj >scenes/outside.json
 scene_with fifo.obj >scenes/fifo.json
 scene_with secret.obj >scenes/secret.json
 
@@ -30,8 +30,8 @@ expect 2 '--allow-files takes a folder' scene scenes/outside.json --allow-files 
 for name in compare run scene sweep threshold tune ensemble metamorphic report; do
     "$PLUMB" $name --help | grep -q -- --allow-files || note_failure "plumb $name has no --allow-files"
 done
-expect 0 '"vertices"' scene scenes/outside.json --allow-files shared
-expect 0 'ok, ' run scenes/outside.json --engine plumb --allow-files "$PWD/shared"
+expect 0 '"vertices"' scene scenes/outside.json --allow-files meshes
+expect 0 'ok, ' run scenes/outside.json --engine plumb --allow-files "$PWD/meshes"
 # From a pipe the folder is the working directory.
 cd scenes
 expect 0 '"vertices"' scene - <inside.json

@@ -94,16 +94,16 @@ def make_tree(listed):
 
 
 def build_tree():
-    compile_only = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_C_FLAGS=-w -I{HERE}", f"-DCMAKE_CXX_FLAGS=-w -I{HERE}",
+    settings = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_C_FLAGS=-w -I{HERE}", f"-DCMAKE_CXX_FLAGS=-w -I{HERE}",
                     "-DPLUMB_DART=OFF", f"-DCMAKE_PROJECT_plumb_INCLUDE={HERE}/mutant.cmake"]
-    for command in (["cmake", "-S", TREE, "-B", f"{BUILD}/built", *compile_only], ["cmake", "--build", f"{BUILD}/built"]):
+    for command in (["cmake", "-S", TREE, "-B", f"{BUILD}/built", *settings], ["cmake", "--build", f"{BUILD}/built"]):
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             sys.exit(done.stdout[-4000:] + done.stderr[-2000:])
 
 
 def tests_of(folder):
-    """name -> (label, properties) in the order of their cost in earlier runs."""
+    """The tests of a build folder: name, command, environment and folder of each."""
     listed = json.loads(subprocess.run(["ctest", "--test-dir", folder, "--show-only=json-v1"], capture_output=True,
                                        check=True).stdout)
     tests = []

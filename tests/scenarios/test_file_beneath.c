@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static char folder[256]; /* has scene/, what lies beside it, and links */
+static char folder[256]; /* holds scene/, files beside it, and symbolic links */
 
 static const char *in_folder(const char *name)
 {
