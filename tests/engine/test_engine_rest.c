@@ -169,6 +169,27 @@ static void test_a_woken_island_rests_again_as_it_was(void **state)
 }
 
 /* A cube on ice that is tilted by less than a microradian gets faster by 1.6e-8 m/s a step. */
+/* Bodies that were never in a step have no place in the list of what rests. */
+static void test_new_bodies_can_go_beside_resting_ones(void **state)
+{
+    (void)state;
+    enum { NEW = 1000 };
+    scene s = make_settled(PE_PROFILE_DEFAULT);
+    pe_body_id ids[NEW];
+    pe_body_def def = pe_body_def_default();
+    def.position = pe_v3(50, 0, 50);
+    for (int i = 0; i < NEW; ++i) {
+        ids[i] = add_body(s.world, &def);
+    }
+    for (int i = 0; i < NEW; ++i) {
+        assert_int_equal(pe_body_destroy(s.world, ids[i], NULL), PE_OK);
+    }
+    assert_int_equal(resting(&s), CUBES);
+    step(s.world, H);
+    assert_int_equal(resting(&s), CUBES);
+    pe_world_destroy(s.world);
+}
+
 static void test_what_moves_slowly_does_not_rest(void **state)
 {
     (void)state;
@@ -287,6 +308,7 @@ int main(void)
         cmocka_unit_test(test_a_woken_island_rests_again_as_it_was),
         cmocka_unit_test(test_what_moves_slowly_does_not_rest),
         cmocka_unit_test(test_islands_come_and_go_in_any_order),
+        cmocka_unit_test(test_new_bodies_can_go_beside_resting_ones),
         cmocka_unit_test(test_what_creeps_sleeps_only_if_asked),
         cmocka_unit_test(test_sleep_says_how_far_a_body_would_have_moved),
     };

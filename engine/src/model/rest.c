@@ -480,10 +480,11 @@ pe_status pe_rest_wake_touched(pe_world *world, pe_error *error)
 void pe_rest_forget(pe_world *world, int slot)
 {
     const int *resting = pe_resting_of(world);
-    if (!pe_rests(resting, slot)) {
+    pe_rest *rest = world->rest;
+    /* A body of a later slot is new: pe_rest_begin has not made room for it yet. */
+    if (slot >= rest->slot_count || !pe_rests(resting, slot)) {
         return;
     }
-    pe_rest *rest = world->rest;
     pe_resting_island *island = &islands_of(rest)[resting[slot] - 1];
     pe_manifold *manifolds = pe_manifolds(&rest->contacts) + island->first_manifold;
     int *bodies = bodies_of(rest) + island->first_body;
