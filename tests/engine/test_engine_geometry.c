@@ -185,6 +185,40 @@ static void check_refused(const pe_geometry_def *def, const char *part)
     assert_contains(error.message, part);
 }
 
+/* Long tetrahedra with the volume length width^2 / 6, in directions whose coordinates are rounded. */
+static void test_needles_are_refused_or_measured(void **state)
+{
+    (void)state;
+    const uint32_t triangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    const double length = 1e6;
+    int refused = 0, measured = 0;
+    check_random random = {7};
+    for (int i = 0; i < 400; ++i) {
+        const double width = length * pow(10, check_uniform(&random, -10, -1));
+        const pe_vec3 any = pe_v3(check_uniform(&random, -1, 1), check_uniform(&random, -1, 1), 1);
+        const pe_vec3 along = pe_scale(1 / pe_length(any), any);
+        pe_vec3 u, v;
+        pe_tangents(along, &u, &v);
+        const pe_vec3 vertices[4] = {pe_v3(0, 0, 0), pe_scale(length, along),
+                                     pe_madd(pe_scale(0.5 * length, along), width, u),
+                                     pe_madd(pe_scale(0.4 * length, along), width, v)};
+        const pe_geometry_def def = {
+            .vertices = vertices, .triangles = triangles, .vertex_count = 4, .triangle_count = 4};
+        pe_allocator allocator = pe_allocator_default();
+        pe_geometry *g = NULL;
+        pe_error error = {0};
+        if (pe_geometry_make(&def, &allocator, &g, &error) == PE_OK) {
+            measured += 1;
+            assert_close(g->frame.volume, length * width * width / 6, 0, 0.5);
+            free_geometry(g);
+        } else {
+            refused += 1;
+            assert_non_null(strstr(error.message, "more than the rounding of their corners"));
+        }
+    }
+    assert_true(refused > 50 && measured > 50);
+}
+
 static void test_invalid_solids_are_refused_with_the_place(void **state)
 {
     (void)state;
@@ -246,6 +280,7 @@ int main(void)
         cmocka_unit_test(test_flat_triangles_make_one_face),
         cmocka_unit_test(test_convex_faces_hold_corners_above_all_vertices),
         cmocka_unit_test(test_tree_boxes_hold_triangles_and_child_boxes),
+        cmocka_unit_test(test_needles_are_refused_or_measured),
         cmocka_unit_test(test_invalid_solids_are_refused_with_the_place),
         cmocka_unit_test(test_failing_allocations_leave_no_memory),
     };

@@ -155,10 +155,12 @@ static void check_written_scene(const pl_polyhedron *mesh)
     pl_scene_free(&read);
 }
 
-/* The engine takes lengths up to 1e12 m, and no triangles that are all but a line. */
+/* The engine takes lengths up to 1e12 m, no triangles that are all but a line, and no volume that is
+ * lost in the rounding of what it is summed from. */
 static bool is_for_engine(const pl_polyhedron *p)
 {
     bool fits = p->inertia[0] > 1e-12 && p->inertia[1] > 1e-12 && p->inertia[2] > 1e-12;
+    double products = 0;
     for (int i = 0; i < 3 * p->vertex_count; ++i) {
         fits = fits && fabs(p->vertices[i / 3][i % 3]) <= 1e12;
     }
@@ -169,8 +171,11 @@ static bool is_for_engine(const pl_polyhedron *p)
         const pl_vec w = pl_vec_sub(v, u);
         const double longest = fmax(pl_vec_dot(u, u), fmax(pl_vec_dot(v, v), pl_vec_dot(w, w)));
         fits = pl_vec_length(pl_vec_cross(u, v)) > 1e-11 * longest;
+        /* No corner is further from the middle of the bounds than twice the radius. */
+        products += 8 * p->radius * p->radius * p->radius +
+                    pl_vec_length(a) * pl_vec_length(pl_vec_cross(u, v));
     }
-    return fits;
+    return fits && p->volume > 1e-14 * products;
 }
 
 static void check_engine(const pl_polyhedron *p)

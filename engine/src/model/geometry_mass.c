@@ -12,7 +12,7 @@
 /* Products of inertia below this part of the trace are rounding. */
 static const double ROUNDING = 1e-12;
 
-/* Of a coordinate: a surface may be off by so much. */
+/* Relative, of a coordinate and of the products of three of them. */
 static const double UNCERTAIN = 1e-15;
 
 /* The integrals over the solid. */
@@ -53,18 +53,21 @@ static moments integrate(const pe_geometry_def *def, pe_vec3 origin)
     return m;
 }
 
-/* By how much a volume may be wrong because the coordinates of its surface are rounded, m^3. */
-static double uncertain_volume(const pe_geometry_def *def)
+/* By how much the volume may be wrong, m^3: the coordinates of the surface are rounded, and so are the
+ * products that `integrate` adds up, which are far larger than the volume where triangles are thin. */
+static double uncertain_volume(const pe_geometry_def *def, pe_vec3 origin)
 {
-    double area = 0, farthest = 0;
+    double area = 0, farthest = 0, products = 0;
     for (int i = 0; i < def->triangle_count; ++i) {
-        const pe_vec3 *a = &def->vertices[def->triangles[i][0]],
-                      *b = &def->vertices[def->triangles[i][1]],
-                      *c = &def->vertices[def->triangles[i][2]];
-        area += 0.5 * pe_length(pe_cross(pe_sub(*b, *a), pe_sub(*c, *a)));
-        farthest = pe_max(farthest, pe_length(*a));
+        const pe_vec3 a = def->vertices[def->triangles[i][0]],
+                      b = def->vertices[def->triangles[i][1]],
+                      c = def->vertices[def->triangles[i][2]];
+        area += 0.5 * pe_length(pe_cross(pe_sub(b, a), pe_sub(c, a)));
+        farthest = pe_max(farthest, pe_length(a));
+        products += pe_length(pe_sub(a, origin)) * pe_length(pe_sub(b, origin)) *
+                    pe_length(pe_sub(c, origin));
     }
-    return UNCERTAIN * farthest * area;
+    return UNCERTAIN * (farthest * area + products);
 }
 
 static pe_vec3 centre_of_bounds(const pe_geometry_def *def)
@@ -154,7 +157,7 @@ pe_geometry_frame pe_geometry_mass(const pe_geometry_def *def)
     pe_vec3 origin = centre_of_bounds(def);
     moments m = integrate(def, origin);
     pe_geometry_frame frame = {.volume = m.volume, .orientation = {.w = 1}};
-    if (!(m.volume > uncertain_volume(def))) {
+    if (!(m.volume > uncertain_volume(def, origin))) {
         frame.volume = pe_min(m.volume, 0);
         return frame;
     }
