@@ -56,4 +56,30 @@ is_plain "the name of a command"
 cp scenes/inside.json "scenes/$bad.json"
 expect 0 'ok, ' run "scenes/$bad.json" --engine plumb
 is_plain "the name of a scene file in a table"
+
+# Every format of results holds the name as one value.
+name=$'a,"b;\n=1+1<&>]]>|`*'$bad
+"$PLUMB" scene scenes/inside.json >"$name.json"
+expect 0 'the report are in o/' compare "./$name.json" --engine plumb --out o
+is_plain "the name of a scene in the summary of compare"
+if grep -q '^=1[+]1<' out err; then note_failure "a name goes over two lines: $(cat -v out err)"; fi
+expect 0 '1 row written' gate o --baseline b.json --update-baseline
+for format in junit json; do
+    expect 1 'gate failed' gate o --baseline b.json --fail-if 'time_per_step<1e9' --format $format --out gate.$format
+done
+command -v python3 >/dev/null || exit $failed
+python3 - <<'END' || note_failure "a format does not hold the name"
+import csv, json
+import xml.etree.ElementTree as xml
+
+name = './a,"b;\n=1+1<&>]]>|`*'
+assert json.loads(open("o/results.jsonl", encoding="utf-8").read())["scenario"].startswith(name)
+for file in "o/results.csv", "o/runs.csv":
+    with open(file, newline="", encoding="utf-8") as text:
+        rows = list(csv.reader(text))
+    assert len({len(row) for row in rows}) == 1 and all(row[1].startswith(name) for row in rows[1:]), file
+cases = list(xml.parse("gate.junit").iter("testcase"))
+assert len(cases) == 1 and cases[0].get("classname").startswith("plumb." + name.replace("\n", " ")), cases[0].attrib
+assert json.load(open("gate.json", encoding="utf-8"))["failures"][0]["scenario"].startswith(name)
+END
 exit $failed

@@ -1,5 +1,6 @@
 #include "reference_study.h"
 
+#include "base/folding.h"
 #include "reference_json.h"
 
 #include <dirent.h>
@@ -226,7 +227,7 @@ pl_status pl_reference_study(const pl_reference_study_def *def, json_t **outcome
         } else if (item == NULL) {
             /* Where the display cannot be drawn again, a line a run would be hundreds of lines. */
             if (out != NULL && !bar.terminal) {
-                fprintf(out, "%s: a converged reference\n", test_case->name);
+                pl_print_line(out, "%s: a converged reference", test_case->name);
             }
             status =
                 judge_case(def, test_case, bar.terminal ? &bar : NULL, &item, signal_number, error);
@@ -252,7 +253,7 @@ void pl_reference_study_print(FILE *out, const json_t *outcome)
     const json_t *item, *sentence;
     json_array_foreach(json_object_get(outcome, "cases"), index, item)
     {
-        fprintf(out, "%s, against a converged reference:\n", pl_json_get_text(item, "name"));
+        pl_print_line(out, "%s, against a converged reference:", pl_json_get_text(item, "name"));
         json_array_foreach(json_object_get(item, "sentences"), k, sentence)
         {
             fprintf(out, "  %s.\n", json_string_value(sentence));
