@@ -248,7 +248,7 @@ static void test_large_islands_allocate_nothing_after_warm_up(void **state)
         def.tasks = tasks_at_once(NULL);
         def.allocator = (pe_allocator){count_allocate, count_release, &c};
         pe_world *world = make_moving_wall(&def, ids);
-        check_allocates_nothing(world, &c, 10, 5);
+        check_allocates_nothing(world, &c, 4, 2);
     }
 }
 
