@@ -537,6 +537,30 @@ static void test_swept_tower_is_freed_of_larger_depths(void **state)
     }
 }
 
+/* A box sunk in the ground, which needs several steps, and one that falls beside it. */
+static void test_statistics_count_depth_left_in_any_island(void **state)
+{
+    (void)state;
+    for (int profile = PE_PROFILE_DEFAULT; profile <= PE_PROFILE_FAST; ++profile) {
+        pe_world_def world_def = pe_world_def_default();
+        world_def.profile = (pe_profile)profile;
+        pe_world *world = make_world(&world_def);
+        const pe_material_id material = add_material(world, 0.5, 0);
+        add_plane(world, pe_v3(0, 0, 1), material);
+        pe_body_def sunk = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0));
+        pe_body_def falling = box_def(0.5, 0.5, 0.5, pe_v3(5, 0, 0.52));
+        falling.velocity.z = -2;
+        const pe_body_id id = add_body(world, &sunk);
+        add_body(world, &falling);
+        for (int i = 0; i < 3; ++i) {
+            const pe_step_stats stats = step(world, 1.0 / 60);
+            const double left = 0.5 - state_of(world, id).position.z;
+            assert_close(stats.penetration_left, left, 1e-3, 0);
+        }
+        pe_world_destroy(world);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -556,6 +580,7 @@ int main(void)
         cmocka_unit_test(test_a_body_that_cannot_be_parted_stays),
         cmocka_unit_test(test_swept_tower_keeps_small_depths),
         cmocka_unit_test(test_swept_tower_is_freed_of_larger_depths),
+        cmocka_unit_test(test_statistics_count_depth_left_in_any_island),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

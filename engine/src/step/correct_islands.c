@@ -22,6 +22,7 @@ static const swept_correction SWEPT[] = {
 static const swept_correction AFTER_SOFT = {12, 6, 4.8, 1, 20};
 static const swept_correction STILL_DEEP = {50, 6, 4.8, 3, 60}; /* after that */
 
+/* The statistics then have the depth that is left among the bodies of these rules. */
 static pe_status correct_by(pe_step *step, const pe_correction_rules *rules)
 {
     pe_correction_report report;
@@ -88,10 +89,15 @@ static pe_status correct_fast(pe_step *step)
         }
     }
     pe_status status = correct_by_sweeps(step, &SWEPT[PE_PROFILE_FAST], swept);
+    const double left_in_swept = step->stats.penetration_left;
     if (status == PE_OK) {
         status = correct_by_sweeps(step, &AFTER_SOFT, soft);
     }
-    return status == PE_OK ? correct_by_sweeps(step, &STILL_DEEP, soft) : status;
+    if (status == PE_OK) {
+        status = correct_by_sweeps(step, &STILL_DEEP, soft);
+    }
+    step->stats.penetration_left = pe_max(step->stats.penetration_left, left_in_swept);
+    return status;
 }
 
 pe_status pe_correct_islands(pe_step *step)
