@@ -23,10 +23,10 @@ import time
 REDUCED = (
     (r"^plumb sweep (--suite canonical|wall-collapse )", "--duration 0.1 --timeout 2 --repeat 1 --vary dt=1/60"),
     (r"^plumb sweep .*--suite", "--duration 0.1 --timeout 5 --engine plumb --engine ode"),
-    (r"^plumb compare .*--suite", "--duration 0.1 --timeout 3"),
+    (r"^plumb compare .*--suite", "--duration 0.1 --timeout 1"),
     (r"^plumb (compare|sweep|metamorphic) ", "--duration 0.1"),
     (r"^plumb run (pile|blocks) ", "--duration 0.02"),
-    (r"^plumb tune ", "--budget 12 --duration 0.5"),
+    (r"^plumb tune ", "--budget 6 --duration 0.5"),
     (r"^plumb ensemble ", "--duration 0.2"),
     (r"^plumb threshold ", "--timeout 20"),
     # The page of the template has the same engine run all checks.
