@@ -82,6 +82,9 @@ double pl_largest_coordinate(const double (*points)[3], int count)
 /* Width over length, below which the mean squares of the width are rounding. */
 #define THINNEST 1e-6
 
+/* Of the volume: by how much the plain sum may be off. */
+#define PLAIN_ROUNDING 1e-9
+
 typedef struct moments {
     double volume;
     double first[3];     /* of the coordinates from the reference point */
@@ -316,8 +319,10 @@ bool pl_polyhedron_measure(pl_polyhedron *p)
     if (!encloses_volume(p) || !fill(p, integrate_in_any_order)) {
         return false;
     }
-    /* The plain sums, with their rounding, are what scenes have been measured by. */
-    if (fill(&in_order, integrate)) {
+    /* The plain sums are what scenes have been measured by. Where their rounding is larger than this, the
+     * order of triangles would decide. */
+    if (fill(&in_order, integrate) &&
+        fabs(in_order.volume - p->volume) <= PLAIN_ROUNDING * p->volume) {
         *p = in_order;
     }
     return true;

@@ -97,7 +97,7 @@ static void check_order(const pl_obj *obj, const pl_polyhedron *mesh)
     pl_diagnostic diagnostic = {.status = PL_OK};
     pl_polyhedron *made = make_mesh(&other, &diagnostic);
     fuzz_check((made != NULL) == (mesh != NULL), "it is accepted in every order or in none");
-    fuzz_check(made == NULL || fabs(made->volume - mesh->volume) <= 0.1 * mesh->volume,
+    fuzz_check(made == NULL || fabs(made->volume - mesh->volume) <= 1e-8 * mesh->volume,
                "it has the same volume in every order");
     pl_polyhedron_free(made);
     pl_obj_free(&other);
