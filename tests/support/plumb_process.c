@@ -146,6 +146,9 @@ pid_t start_plumb(const char *directory, const char *const *arguments)
     pid_t pid = fork();
     assert_true(pid >= 0);
     if (pid == 0) {
+        /* Tests that run in the background may have been told to ignore it. */
+        signal(SIGINT, SIG_DFL);
+        signal(SIGHUP, SIG_DFL);
         /* An engine's fault is to be seen as it is, also under a sanitizer. */
         setenv("ASAN_OPTIONS", "handle_segv=0:handle_abort=0", 1);
         redirect(directory, "out", STDOUT_FILENO);
