@@ -101,6 +101,8 @@ expect 1 'FAIL  tower n=12 / mine:p: penetration_max: 0.001 m -> 0.00101 m, allo
 grep -q 'gate failed: 4 failures in .* comparisons of 4 rows' out || note_failure "no summary line"
 expect 0 'better by 1 %: --update-baseline' better.jsonl --baseline b.json
 expect 0 'gate passed' worse.jsonl --baseline b.json --tolerance penetration_max=0.02
+expect 0 'note .* time_per_step: not compared: the baseline has another reference' \
+    slow.jsonl --baseline b.json --reference mine:p
 expect 1 'FAIL  bounce / mine:p: outcome: ok -> missing' removed.jsonl --baseline b.json
 expect 1 'FAIL  tower n=12 / mine:p: outcome: ok -> collapsed, .*body b1 fell' \
     fallen.jsonl --baseline b.json

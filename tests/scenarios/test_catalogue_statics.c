@@ -333,7 +333,8 @@ static double half_rise(const pl_body *box)
     return fabs(2 * q[0] * q[2]) * h[0] + fabs(q[0] * q[0] - q[2] * q[2]) * h[2];
 }
 
-/* Every leaning card stands on the ground of its row and bears the level card, just so. */
+/* Every leaning card stands on the ground of its row and bears the level card, just so. That ends 0.1 m
+ * beyond the middles of the outermost pairs. */
 static void test_cards_touch_level_cards_exactly(void **state)
 {
     (void)state;
@@ -341,8 +342,8 @@ static void test_cards_touch_level_cards_exactly(void **state)
     double values[PL_MAX_PARAMS], ground = 0;
     build_with(find("card-house"), NULL, 0, values, &scene);
     for (int row = 1; row <= 3; ++row) {
-        double top = (double)NAN, next = (double)NAN;
-        int leaning = 0;
+        double top = (double)NAN, next = (double)NAN, first = HUGE_VAL, last = -HUGE_VAL;
+        int leaning = 0, level = 0;
         for (int i = 1; i < scene.body_count; ++i) {
             const pl_body *card = &scene.bodies[i];
             const double low = card->position[2] - half_rise(card);
@@ -351,13 +352,22 @@ static void test_cards_touch_level_cards_exactly(void **state)
             if (sscanf(card->name, "level %d", &of_row) == 1 && of_row == row) {
                 assert_close(low, top, 1e-14, 0);
                 next = high;
+                level = i;
             } else if ((sscanf(card->name, "left %d", &of_row) == 1 ||
                         sscanf(card->name, "right %d", &of_row) == 1) &&
                        of_row == row) {
                 assert_close(low, ground, 1e-14, 0);
                 top = high;
                 leaning += 1;
+                if (card->name[0] == 'l') {
+                    first = fmin(first, card->position[0]);
+                    last = fmax(last, card->position[0]);
+                }
             }
+        }
+        if (row < 3) {
+            const double *half = scene.bodies[level].shape.half_extents;
+            assert_close(half[0], (last - first) / 2 + 0.1, 1e-14, 0);
         }
         assert_int_equal(leaning, 2 * (4 - row));
         ground = next;
