@@ -75,6 +75,39 @@ static void test_islands_are_joined_over_two_frames(void **state)
     pl_scene_free(&scene);
 }
 
+/* Also where it is the start at which the gap is unknown, and where later ones are unknown too. */
+static void test_unknown_gap_fails_penetration_from_any_step(void **state)
+{
+    (void)state;
+    for (long first = 0; first < 3; ++first) {
+        pl_scene scene = pl_scene_default();
+        for (int i = 0; i < 2; ++i) {
+            pl_body body = pl_body_default();
+            body.shape = pl_shape_sphere(1);
+            body.name[0] = (char)('a' + i);
+            assert_int_equal(pl_scene_add_body(&scene, &body, NULL, NULL), PL_OK);
+        }
+        pl_arena arena = {0};
+        pl_metric item[PL_METRIC_COUNT];
+        char reason[64];
+        pl_touching *touching = pl_touching_create(&scene, &arena);
+        for (long step = 0; step < 4; ++step) {
+            const pl_near_pair pair = {
+                .a = 0, .b = 1, .status = step < first ? PL_OK : PL_FAILED, .gap = -1};
+            pl_touching_begin(touching, step);
+            pl_touching_see(touching, &pair);
+            pl_touching_end(touching);
+        }
+        pl_touching_metrics(touching, item);
+        snprintf(reason, sizeof reason, "no gap found for \"a\" and \"b\" at step %ld", first);
+        assert_int_equal(item[PL_METRIC_PENETRATION_MAX].state, PL_METRIC_FAILED);
+        assert_int_equal(item[PL_METRIC_PENETRATION_REST].state, PL_METRIC_FAILED);
+        assert_string_equal(item[PL_METRIC_PENETRATION_MAX].reason, reason);
+        pl_arena_free(&arena);
+        pl_scene_free(&scene);
+    }
+}
+
 /* Balls of radius 0.5 m and 2 kg along x, without gravity; the first moves at 1 m/s, and so E_ref
  * is 1 J. */
 static void prepare_balls(run *r, const double *places, int count)
@@ -249,6 +282,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_islands_are_joined_over_two_frames),
+        cmocka_unit_test(test_unknown_gap_fails_penetration_from_any_step),
         cmocka_unit_test(test_energy_between_touching_bodies_is_no_gain),
         cmocka_unit_test(test_inelastic_impact_within_a_step_is_no_gain),
         cmocka_unit_test(test_energy_between_separate_bodies_is_a_gain),
