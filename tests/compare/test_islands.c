@@ -6,6 +6,7 @@
 #include "synthetic_run.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { COUNT = 60 };
