@@ -46,6 +46,31 @@ static json_t *read_results(const workspace *f)
     return pl_results_read(f->results, &results, NULL, NULL) == PL_OK ? results : json_array();
 }
 
+/* Distances are stated as multiples of their floors. */
+static void check_ratios(const json_t *outcome)
+{
+    static const char *const names[][3] = {
+        {"energy_distance", "energy_distance_floor", "energy_distance_ratio"},
+        {"ks", "ks_floor", "ks_ratio"},
+    };
+    size_t index;
+    const json_t *item;
+    json_array_foreach(json_object_get(outcome, "comparisons"), index, item)
+    {
+        for (int k = 0; k < 2; ++k) {
+            const double floor = json_number_value(json_object_get(item, names[k][1]));
+            const json_t *ratio = json_object_get(item, names[k][2]);
+            if (floor > 0) {
+                assert_true(json_is_number(ratio));
+                assert_close(json_number_value(ratio) * floor,
+                             json_number_value(json_object_get(item, names[k][0])), 0, 1e-12);
+            } else {
+                assert_true(json_is_null(ratio));
+            }
+        }
+    }
+}
+
 static json_t *read_outcome(const workspace *f)
 {
     char *path = path_in(f->out, "ensemble.json");
@@ -53,6 +78,7 @@ static json_t *read_outcome(const workspace *f)
     free(path);
     assert_non_null(outcome);
     assert_string_equal(result_text(outcome, "schema"), "plumb.ensemble/1");
+    check_ratios(outcome);
     return outcome;
 }
 
