@@ -96,6 +96,22 @@ static void test_wall_time_is_shown_with_several_threads(void **state)
     }
 }
 
+/* Its time is not a multiple of a native engine's. */
+static void test_summary_names_what_an_engine_runs_in(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    for (int i = 0; i < 2; ++i) {
+        json_t *row = add_run(results, "s", i == 0 ? "ode:quick" : "web:default", "ok");
+        set_metric(row, "time_per_step", metric_value(i == 0 ? 2e-3 : 5e-3));
+        json_object_set_new(row, "engine_runtime", json_string(i == 0 ? "native" : "web|assembly"));
+    }
+    made_report made = make_report(results);
+    assert_contains(made.markdown.data, "2.00 ms (");
+    assert_contains(made.markdown.data, "5.00 ms in web\\|assembly |");
+    free_report(&made);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -104,6 +120,7 @@ int main(void)
         cmocka_unit_test(test_errors_show_a_spread_where_repeats_differ),
         cmocka_unit_test(test_one_run_has_no_spread_and_no_note),
         cmocka_unit_test(test_wall_time_is_shown_with_several_threads),
+        cmocka_unit_test(test_summary_names_what_an_engine_runs_in),
     };
     return cmocka_run_group_tests_name("spread of repeats", tests, NULL, NULL);
 }
