@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#if PL_ADDRESS_SANITIZER
+#if PL_SANITIZER
 /* sanitizer/allocator_interface.h, which gcc does not install. */
 size_t __sanitizer_get_current_allocated_bytes(void);
 #endif
@@ -216,7 +216,7 @@ static void check_modes(pl_probe *p)
 /* Bytes that are allocated now, by the sanitizer's own allocator where there is one. */
 static double heap_in_use(void)
 {
-#if PL_ADDRESS_SANITIZER
+#if PL_SANITIZER
     return (double)__sanitizer_get_current_allocated_bytes();
 #else
     const struct mallinfo2 info = mallinfo2();

@@ -228,8 +228,8 @@ static pl_status take_table(const char *path, const pl_engine *engine, pl_engine
 }
 
 /* Symbols of the engine come before those of the libraries of this program: an engine of which
- * another build is linked to this program uses its own. The address sanitizer does not allow it. */
-enum { LOAD_FLAGS = RTLD_NOW | RTLD_LOCAL | (PL_ADDRESS_SANITIZER ? 0 : RTLD_DEEPBIND) };
+ * another build is linked to this program uses its own. No sanitizer allows it. */
+enum { LOAD_FLAGS = RTLD_NOW | RTLD_LOCAL | (PL_SANITIZER ? 0 : RTLD_DEEPBIND) };
 
 static pl_status load_program(const char *command, pl_loaded_engine *loaded, pl_error *error)
 {

@@ -30,8 +30,8 @@ double pl_monotonic_seconds(void)
 }
 
 /* The limit is on writable memory: interpreters reserve far more addresses than they use. The shadow of
- * an address sanitizer is larger than any limit. */
-static const bool can_limit_memory = !PL_ADDRESS_SANITIZER;
+ * a sanitizer is larger than any limit. */
+static const bool can_limit_memory = !PL_SANITIZER;
 
 /* The writable memory of this process, bytes; 0 where /proc does not have it. */
 static uint64_t own_memory(void)

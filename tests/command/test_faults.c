@@ -187,7 +187,7 @@ static void test_nan_is_nonfinite_with_the_last_good_frame(void **state)
 
 static void test_all_memory_taken_is_crashed(void **state)
 {
-#if PL_ADDRESS_SANITIZER
+#if PL_SANITIZER
     (void)state;
     skip(); /* its shadow memory allows no limit of address space */
 #else

@@ -276,7 +276,7 @@ static void measure_growth(void *user, FILE *answer)
 static void test_resident_set_growth_is_the_touched_peak(void **state)
 {
     (void)state;
-#if PL_ADDRESS_SANITIZER
+#if PL_SANITIZER
     skip(); /* it keeps freed memory */
 #endif
     const pl_limits limits = {.timeout = 10};
