@@ -297,9 +297,25 @@ static void test_invalid_problem_files_are_refused(void **state)
     remove_directory(directory);
 }
 
+static void test_a_capture_is_a_step_and_a_path(void **state)
+{
+    (void)state;
+    static const char *const refused[] = {"",     ":path",  "5",       "5:",     "5path",
+                                          "path", "0:path", "-1:path", "5 :path"};
+    long step = 0;
+    const char *path = NULL;
+    assert_true(pl_capture_parse("12:folder/a:b", &step, &path));
+    assert_int_equal(step, 12);
+    assert_string_equal(path, "folder/a:b");
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; ++i) {
+        assert_false(pl_capture_parse(refused[i], &step, &path));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_capture_is_a_step_and_a_path),
         cmocka_unit_test(test_handwritten_file_is_read_correctly),
         cmocka_unit_test(test_every_bit_of_a_problem_survives_the_file),
         cmocka_unit_test(test_extreme_numbers_survive_the_file),

@@ -357,6 +357,22 @@ static void test_shorter_and_longer_tables_are_taken(void **state)
     }
 }
 
+/* One that ends its process while it is loaded can still be listed, and a run of it is a row. */
+static void test_engine_that_cannot_be_loaded_has_one_profile(void **state)
+{
+    (void)state;
+    char spec[256];
+    build_object("ends.so", "-DRESULT='({ extern void _exit(int); _exit(7); &engine; })'");
+    in_folder("ends.so", spec);
+    const pl_engine_choice choice = choose(spec);
+    assert_true(choice.engine->fault.is_fault);
+    assert_contains(choice.engine->fault.reason, "7");
+    assert_string_equal(choice.engine->name, "ends.so");
+    assert_int_equal(choice.engine->profile_count, 1);
+    assert_int_equal(choice.engine->option_count, 0);
+    assert_int_equal(choice.engine->substeps, 1);
+}
+
 static void test_invalid_shared_object_is_refused_with_loader_reason(void **state)
 {
     (void)state;
@@ -381,6 +397,7 @@ int main(void)
         cmocka_unit_test(test_a_spec_longer_than_its_field_is_refused),
         cmocka_unit_test(test_shared_objects_of_another_abi_are_refused),
         cmocka_unit_test(test_shorter_and_longer_tables_are_taken),
+        cmocka_unit_test(test_engine_that_cannot_be_loaded_has_one_profile),
         cmocka_unit_test(test_invalid_shared_object_is_refused_with_loader_reason),
     };
     return cmocka_run_group_tests_name("registry", tests, make_objects, remove_objects);

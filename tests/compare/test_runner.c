@@ -3,6 +3,7 @@
 #include "check.h"
 #include "engines/process.h"
 #include "plumb_process.h"
+#include "runner/isolated_run.h"
 #include "runner/parameter_check.h"
 #include "runner/plan.h"
 #include "runner/progress.h"
@@ -293,6 +294,24 @@ static void test_resident_set_growth_is_the_touched_peak(void **state)
     }
 }
 
+static void test_progress_is_the_part_of_steps_done(void **state)
+{
+    (void)state;
+    static const long steps[] = {1, 4, 0};
+    for (int i = 0; i < 3; ++i) {
+        pl_scene scene = pl_scene_default();
+        pl_run_watch watch = {.steps_done = steps[i]};
+        pl_isolated_run run = {.def = {.scene = &scene, .watch = &watch}};
+        scene.duration = (double)steps[i] * scene.dt;
+        assert_close(pl_isolated_run_progress(&run), steps[i] > 0, 0, 0);
+        if (steps[i] > 1) {
+            watch.steps_done = 1;
+            assert_close(pl_isolated_run_progress(&run), 1.0 / (double)steps[i], 0, 0);
+        }
+        pl_scene_free(&scene);
+    }
+}
+
 /* --- one run in this process --- */
 
 static pl_status count_report(const pl_run_result *finding, void *user, pl_error *error)
@@ -429,6 +448,7 @@ int main(void)
         cmocka_unit_test(test_endless_output_is_killed_at_the_timeout),
         cmocka_unit_test(test_output_tail_is_the_end_of_the_output),
         cmocka_unit_test(test_run_starts_with_default_signals_and_session),
+        cmocka_unit_test(test_progress_is_the_part_of_steps_done),
         cmocka_unit_test(test_resident_set_growth_is_the_touched_peak),
         cmocka_unit_test(test_referee_threads_change_no_metric),
         cmocka_unit_test(test_run_makes_and_shows_all_steps),
