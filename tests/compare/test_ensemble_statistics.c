@@ -1,9 +1,15 @@
 /* What ensembles are compared by, against closed forms and against sums over all pairs and all
  * arrangements. */
+#include "base/sanitizer.h"
 #include "check.h"
 #include "studies/ensemble/two_sample.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 enum { MOST = 40 };
 
@@ -353,10 +359,51 @@ static void test_holm_steps_down(void **state)
     assert_int_equal(pl_holm(p, 0, corrected, NULL), PL_OK);
 }
 
+enum { MANY = 4000000 }; /* values, of which each array has megabytes */
+
+/* Makes a pool in a process that may have so much more memory. Returns its exit code. */
+static int make_pool_within(size_t bytes)
+{
+    double *values = calloc(MANY, sizeof *values);
+    assert_non_null(values);
+    const pid_t child = fork();
+    if (child == 0) {
+        long pages = 0;
+        FILE *file = fopen("/proc/self/statm", "r");
+        pl_pool pool;
+        if (file == NULL || fscanf(file, "%ld", &pages) != 1) {
+            _exit(99);
+        }
+        fclose(file);
+        const rlim_t most = (rlim_t)pages * (rlim_t)sysconf(_SC_PAGESIZE) + bytes;
+        setrlimit(RLIMIT_AS, &(struct rlimit){most, most});
+        _exit((int)pl_pool_make(values, MANY, values, 0, &pool, NULL));
+    }
+    int status = 0;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    free(values);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+static void test_want_of_memory_for_any_array_is_an_error(void **state)
+{
+    (void)state;
+#if PL_SANITIZER
+    skip(); /* its shadow memory allows no limit of address space */
+#endif
+    /* 16, 8 and 1 bytes a value: there is none for the first, the second, the third. */
+    const size_t room[] = {10, 20, 24};
+    for (int i = 0; i < 3; ++i) {
+        assert_int_equal(make_pool_within(room[i] * MANY), PL_NO_MEMORY);
+    }
+    assert_int_equal(make_pool_within((size_t)100 * MANY), PL_OK);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_distances_have_their_closed_forms),
+        cmocka_unit_test(test_want_of_memory_for_any_array_is_an_error),
         cmocka_unit_test(test_distances_are_those_of_their_definitions),
         cmocka_unit_test(test_few_values_have_an_exact_p),
         cmocka_unit_test(test_p_value_is_within_its_sampling_error),
