@@ -178,7 +178,7 @@ static void test_factors_do_not_depend_on_threads(void **state)
 
 /* ---- Worlds ---- */
 
-enum { ROWS = 24, COLUMNS = 40, BRICKS = ROWS * COLUMNS, STEPS = 3 };
+enum { ROWS = 16, COLUMNS = 40, BRICKS = ROWS * COLUMNS, STEPS = 2 };
 static const double H = 1.0 / 60;
 
 /* A wall of bricks that overlap by 2 mm and move in different ways. */
