@@ -3,12 +3,12 @@
 set -eu
 source "$SOURCE/tests/support/command.sh"
 
-# widths NAME CODE ARGUMENT...: each line that the command prints fits 60, 100 and 200 columns; what is
-# printed at 60 is left in `out`.
+# widths NAME CODE ARGUMENT...: each line that the command prints fits 60 and 200 columns; what is printed
+# at 60 is left in `out`.
 widths() {
     local name=$1 code=$2 width actual
     shift 2
-    for width in 200 100 60; do
+    for width in 200 60; do
         actual=0
         rm -rf made
         COLUMNS=$width "$PLUMB" "$@" >out 2>err </dev/null || actual=$?

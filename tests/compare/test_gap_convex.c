@@ -221,7 +221,7 @@ static void test_gap_of_every_pair_equals_dense_direction_sweep(void **state)
     (void)state;
     static pool p;
     fill_pool(&p, UINT64_C(362436069));
-    for (int i = 0; i < 6 * KINDS * KINDS; ++i) {
+    for (int i = 0; i < 3 * KINDS * KINDS; ++i) {
         static const double reach[] = {0.1, 0.5, 1};
         pose_pair pair;
         place(&p, &pair, convex_kinds[i % KINDS], convex_kinds[i / KINDS % KINDS],
@@ -261,7 +261,7 @@ static void test_gap_is_independent_of_order_and_place(void **state)
     (void)state;
     static pool p;
     fill_pool(&p, UINT64_C(521288629));
-    for (int i = 0; i < 400 * KINDS * KINDS; ++i) {
+    for (int i = 0; i < 200 * KINDS * KINDS; ++i) {
         pose_pair pair;
         double q[4], by[3];
         place(&p, &pair, convex_kinds[i % KINDS], convex_kinds[i / KINDS % KINDS],
@@ -297,7 +297,7 @@ static void test_closed_forms_equal_gjk_and_epa(void **state)
                                       {PL_SHAPE_SPHERE, PL_SHAPE_CYLINDER},
                                       {PL_SHAPE_CAPSULE, PL_SHAPE_CAPSULE}};
     fill_pool(&p, UINT64_C(777));
-    for (int i = 0; i < 6000; ++i) {
+    for (int i = 0; i < 3000; ++i) {
         pose_pair pair;
         double closed, other;
         place(&p, &pair, kinds[i % 3][0], kinds[i % 3][1], 1);
@@ -330,7 +330,7 @@ static void test_gap_above_the_bound_is_a_lower_bound(void **state)
     (void)state;
     static pool p;
     fill_pool(&p, UINT64_C(99));
-    for (int i = 0; i < 100 * KINDS * KINDS; ++i) {
+    for (int i = 0; i < 50 * KINDS * KINDS; ++i) {
         pose_pair pair;
         double within = check_uniform(&p.random, -0.1, 0.5), bounded;
         place(&p, &pair, convex_kinds[i % KINDS], convex_kinds[i / KINDS % KINDS], 1);
@@ -350,7 +350,7 @@ static void test_plane_gap_is_the_reach_against_its_normal(void **state)
     (void)state;
     static pool p;
     fill_pool(&p, UINT64_C(4242));
-    for (int i = 0; i < 2000 * KINDS; ++i) {
+    for (int i = 0; i < 1000 * KINDS; ++i) {
         pose_pair pair;
         double axis[3][3], q[4];
         place(&p, &pair, convex_kinds[i % KINDS], PL_SHAPE_SPHERE, 1);

@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
-# Replays every experiment of compare/report/known_causes.json. Fails with the name of a cause when an
-# outcome or a number is not the recorded one, or when a statement covers a profile or the end of a
-# range in which nobody ran it. Causes of an engine that runs in node have their first experiment replayed, and
-# all of them where REPLAY=all: node starts for longer than most runs take.
+# Replays an experiment of each cause in compare/report/known_causes.json; all where REPLAY=all, as
+# compare/state does. Fails with the name of a cause when an outcome or a number is not the recorded one, or
+# when a statement covers a profile or the end of a range in which nobody ran it.
 set -eu
 exec python3 - "$PLUMB" "$SOURCE/compare/report/known_causes.json" <<'END'
 import concurrent.futures
@@ -19,7 +18,6 @@ listed = subprocess.run([plumb, "list", "engines"], capture_output=True, text=Tr
 versions = dict(re.findall(r"^([a-z0-9-]+) +([0-9][0-9.]*) ", listed, re.M))
 profiles = [f"{engine}:{profile}" for engine, names in known["profiles"].items() for profile in names]
 failures = []
-IN_NODE = ("cannon", "havok", "jolt", "mujoco3", "physx", "rapier")
 
 
 def name(cause):
@@ -94,8 +92,7 @@ for cause in known["causes"]:
     if not cause["experiments"] and "by" not in cause:
         failures.append(f"{name(cause)}: no experiment")
     replayed = [(cause, e, spec) for e in cause["experiments"] for spec in e["engines"]]
-    replays_one = cause["engine"] in IN_NODE and os.environ.get("REPLAY") != "all"
-    experiments += replayed[:1] if replays_one else replayed
+    experiments += replayed if os.environ.get("REPLAY") == "all" else replayed[:1]
 
 # A run that shows two causes is made once.
 jobs = sorted({(experiment["run"], spec) for _, experiment, spec in experiments})

@@ -3,6 +3,6 @@
 
 int main(void)
 {
-    const law_budget budget = {.mesh_truth_poses = 2500, .mesh_poses = 25000};
+    const law_budget budget = {.mesh_truth_poses = 2000, .mesh_poses = 20000};
     return run_pair_laws("engine_pairs_mesh_slow", budget);
 }

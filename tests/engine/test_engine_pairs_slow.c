@@ -3,6 +3,6 @@
 
 int main(void)
 {
-    const law_budget budget = {.truth_poses = 10000, .poses = 100000};
+    const law_budget budget = {.truth_poses = 5000, .poses = 50000};
     return run_pair_laws("engine_pairs_slow", budget);
 }

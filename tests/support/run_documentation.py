@@ -26,7 +26,7 @@ REDUCED = (
     (r"^plumb compare .*--suite", "--duration 0.1 --timeout 1"),
     (r"^plumb (compare|sweep|metamorphic) ", "--duration 0.1"),
     (r"^plumb run (pile|blocks) ", "--duration 0.02"),
-    (r"^plumb tune ", "--budget 6 --duration 0.5"),
+    (r"^plumb tune ", "--budget 12 --duration 0.5"),
     (r"^plumb ensemble ", "--duration 0.2"),
     (r"^plumb threshold ", "--timeout 20"),
     # The page of the template has the same engine run all checks.
@@ -49,6 +49,8 @@ TEMPLATES = {
     "compare/template/README.md": [],
     "compare/template/process/process_README.md": ["--process"],
 }
+# Lists that have been printed: those of another page are the same.
+LISTED = set()
 PLACEHOLDER = re.compile(r"\.\.\.|…|\b[A-Z]{2,}\b|mine\.so")
 
 
@@ -138,6 +140,10 @@ def run_page(page, source, build, environment):
             print(f"{where}: not run, {program} is not installed")
             continue
         command = prepared(what)
+        if command in LISTED:
+            continue
+        if command.startswith("plumb list"):
+            LISTED.add(command)
         begin = time.monotonic()
         done = subprocess.run(["bash", "-c", command], cwd=folder, env=environment, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, check=False)
