@@ -291,12 +291,11 @@ static pe_status run_pass(const pass *p)
  * is to be swept by another group. */
 static void add_to_tasks(pass *p, int item, int points, bool begins)
 {
-    task *last = p->count > 0 ? &p->tasks[p->count - 1] : NULL;
-    if (last == NULL || begins || last->large || points >= LARGE_POINTS) {
-        last = &p->tasks[p->count++];
-        *last = (task){.first = item, .large = points >= LARGE_POINTS};
+    const bool large = points >= LARGE_POINTS;
+    if (p->count == 0 || begins || large || p->tasks[p->count - 1].large) {
+        p->tasks[p->count++] = (task){.first = item, .large = large};
     }
-    last->end = item + 1;
+    p->tasks[p->count - 1].end = item + 1;
 }
 
 /* ---- The first pass: all islands, up to their sweeps ---- */
