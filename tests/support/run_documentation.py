@@ -30,7 +30,7 @@ REDUCED = (
     (r"^plumb ensemble ", "--duration 0.2"),
     (r"^plumb threshold ", "--timeout 20"),
     # The page of the template has the same engine run all checks.
-    (r"^plumb check-engine 'exec:python3 my-engine/engine.py'", "--check gravity --check repeats"),
+    (r"^plumb check-engine 'exec:python3 (my-engine/)?engine.py'", "--check gravity --check repeats"),
 )
 # What a test cannot run: the file or the preset must exist.
 NOT_RUN = (
