@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
@@ -125,10 +126,39 @@ static void test_resume_of_a_complete_comparison_runs_nothing(void **state)
     }
 }
 
-static void check_interrupted(const workspace *f, int number)
+/* The signals that the process blocks, as a bit each. */
+static unsigned long long blocked_signals(pid_t pid)
+{
+    char path[64], line[256];
+    unsigned long long blocked = 0;
+    snprintf(path, sizeof path, "/proc/%d/status", (int)pid);
+    FILE *file = fopen(path, "r");
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        if (strncmp(line, "SigBlk:", 7) == 0) {
+            blocked = strtoull(line + 7, NULL, 16);
+        }
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return blocked;
+}
+
+/* Starts a comparison that hangs in a run, and waits until it has begun its runs: from there on it
+ * handles SIGINT. */
+static pid_t start_hanging(const workspace *f)
 {
     pid_t pid = start_compare(f, FAULTY ":hang", "--resume");
+    for (int i = 0; i < 6000 && (blocked_signals(pid) >> (SIGINT - 1) & 1) == 0; ++i) {
+        pause_milliseconds(10);
+    }
     pause_milliseconds(300);
+    return pid;
+}
+
+static void check_interrupted(const workspace *f, int number)
+{
+    pid_t pid = start_hanging(f);
     kill(pid, number);
     plumb_output output = wait_plumb(f->directory, pid);
     assert_int_equal(output.code, 128 + number);
@@ -152,8 +182,7 @@ static void test_signals_kill_the_run_and_explain_resume(void **state)
 static void test_a_killed_comparison_takes_its_run_with_it(void **state)
 {
     const workspace *f = *state;
-    pid_t pid = start_compare(f, FAULTY ":hang", "--resume");
-    pause_milliseconds(300);
+    pid_t pid = start_hanging(f);
     kill(pid, SIGKILL);
     plumb_output output = wait_plumb(f->directory, pid);
     free_output(&output);
