@@ -82,7 +82,7 @@ double pl_largest_coordinate(const double (*points)[3], int count)
 /* Width over length, below which the mean squares of the width are rounding. */
 #define THINNEST 1e-6
 
-/* Of the volume: by how much the plain sum may be off. */
+/* The largest relative error of a volume summed in the order of the triangles. */
 #define PLAIN_ROUNDING 1e-9
 
 typedef struct moments {
@@ -319,8 +319,8 @@ bool pl_polyhedron_measure(pl_polyhedron *p)
     if (!encloses_volume(p) || !fill(p, integrate_in_any_order)) {
         return false;
     }
-    /* The plain sums are what scenes have been measured by. Where their rounding is larger than this, the
-     * order of triangles would decide. */
+    /* Results were measured with sums in the order of the triangles, so these are kept where they are
+     * accurate. Elsewhere the order would change the mass. */
     if (fill(&in_order, integrate) &&
         fabs(in_order.volume - p->volume) <= PLAIN_ROUNDING * p->volume) {
         *p = in_order;

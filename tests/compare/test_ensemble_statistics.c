@@ -361,7 +361,7 @@ static void test_holm_steps_down(void **state)
 
 enum { MANY = 4000000 }; /* values, of which each array has megabytes */
 
-/* Makes a pool in a process that may have so much more memory. Returns its exit code. */
+/* Makes a pool in a child process that may take `bytes` more memory. Returns its exit code. */
 static int make_pool_within(size_t bytes)
 {
     double *values = calloc(MANY, sizeof *values);
@@ -391,7 +391,7 @@ static void test_want_of_memory_for_any_array_is_an_error(void **state)
 #if PL_SANITIZER
     skip(); /* its shadow memory allows no limit of address space */
 #endif
-    /* 16, 8 and 1 bytes a value: there is none for the first, the second, the third. */
+    /* The arrays take 16, 8 and 1 bytes a value. The first, the second or the third does not fit. */
     const size_t room[] = {10, 20, 24};
     for (int i = 0; i < 3; ++i) {
         assert_int_equal(make_pool_within(room[i] * MANY), PL_NO_MEMORY);

@@ -76,7 +76,7 @@ static void test_islands_are_joined_over_two_frames(void **state)
     pl_scene_free(&scene);
 }
 
-/* Also where it is the start at which the gap is unknown, and where later ones are unknown too. */
+/* The gap is unknown from step `first` on; step 0 is the start. */
 static void test_unknown_gap_fails_penetration_from_any_step(void **state)
 {
     (void)state;

@@ -357,7 +357,7 @@ static void test_shorter_and_longer_tables_are_taken(void **state)
     }
 }
 
-/* One that ends its process while it is loaded can still be listed, and a run of it is a row. */
+/* An engine that ends its process while it is loaded is still listed, with one profile. */
 static void test_engine_that_cannot_be_loaded_has_one_profile(void **state)
 {
     (void)state;

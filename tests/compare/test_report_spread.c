@@ -96,7 +96,7 @@ static void test_wall_time_is_shown_with_several_threads(void **state)
     }
 }
 
-/* Its time is not a multiple of a native engine's. */
+/* The time of an engine in another runtime is not divided by that of a native engine. */
 static void test_summary_names_what_an_engine_runs_in(void **state)
 {
     (void)state;

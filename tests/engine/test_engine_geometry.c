@@ -209,7 +209,7 @@ static void test_needles_are_refused_or_measured(void **state)
         pe_error error = {0};
         if (pe_geometry_make(&def, &allocator, &g, &error) == PE_OK) {
             measured += 1;
-            assert_close(g->frame.volume, length * width * width / 6, 0, 0.5);
+            assert_close(g->frame.volume, length * width * width / 6, 0, 0.1);
             free_geometry(g);
         } else {
             refused += 1;

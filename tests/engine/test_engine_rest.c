@@ -169,7 +169,7 @@ static void test_a_woken_island_rests_again_as_it_was(void **state)
 }
 
 /* A cube on ice that is tilted by less than a microradian gets faster by 1.6e-8 m/s a step. */
-/* Bodies that were never in a step have no place in the list of what rests. */
+/* A body that is destroyed before its first step is in no list of resting bodies. */
 static void test_new_bodies_can_go_beside_resting_ones(void **state)
 {
     (void)state;

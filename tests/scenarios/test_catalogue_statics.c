@@ -333,8 +333,8 @@ static double half_rise(const pl_body *box)
     return fabs(2 * q[0] * q[2]) * h[0] + fabs(q[0] * q[0] - q[2] * q[2]) * h[2];
 }
 
-/* Every leaning card stands on the ground of its row and bears the level card, just so. That ends 0.1 m
- * beyond the middles of the outermost pairs. */
+/* Every leaning card stands on the ground of its row and bears the level card, just so. The level
+ * card ends 0.1 m beyond the middles of the outermost pairs. */
 static void test_cards_touch_level_cards_exactly(void **state)
 {
     (void)state;

@@ -146,7 +146,7 @@ pid_t start_plumb(const char *directory, const char *const *arguments)
     pid_t pid = fork();
     assert_true(pid >= 0);
     if (pid == 0) {
-        /* Tests that run in the background may have been told to ignore it. */
+        /* A process that runs in the background may ignore these, and its children inherit that. */
         signal(SIGINT, SIG_DFL);
         signal(SIGHUP, SIG_DFL);
         /* An engine's fault is to be seen as it is, also under a sanitizer. */

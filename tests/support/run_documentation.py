@@ -49,7 +49,7 @@ TEMPLATES = {
     "compare/template/README.md": [],
     "compare/template/process/process_README.md": ["--process"],
 }
-# Lists that have been printed: those of another page are the same.
+# List commands that have run: their output does not depend on the page.
 LISTED = set()
 PLACEHOLDER = re.compile(r"\.\.\.|…|\b[A-Z]{2,}\b|mine\.so")
 

@@ -34,11 +34,18 @@ static bool query(trial *t, manifolds *found, const pe_pair_point **point, pe_ve
 
 /* ---- Truth ---- */
 
-/* The largest distance of shapes with this separation. A corner that counts as on a face, though it lies
- * beside it by the slack, is so far away from the rim of the face. */
+static bool has_flat_faces(const placed *p)
+{
+    return p->shape.kind == PE_SHAPE_BOX || p->shape.kind == PE_SHAPE_HULL;
+}
+
+/* The largest true distance of a pair for which the engine reports this separation. The engine takes a
+ * corner that lies beside a flat face by the slack for one on the face, and reports its height over the
+ * face; its true distance is that from the rim of the face. */
 static double most_distance(const trial *t, double separation)
 {
-    const double beside = CLIP_SLACK * t->pair.size;
+    const bool clips = has_flat_faces(&t->pair.a) || has_flat_faces(&t->pair.b);
+    const double beside = clips ? CLIP_SLACK * t->pair.size : 0;
     return separation > -beside ? hypot(pe_max(separation, 0), beside) : separation;
 }
 

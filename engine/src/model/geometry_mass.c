@@ -12,7 +12,7 @@
 /* Products of inertia below this part of the trace are rounding. */
 static const double ROUNDING = 1e-12;
 
-/* Relative, of a coordinate and of the products of three of them. */
+/* The relative error of a coordinate, and of a product of three coordinates. */
 static const double UNCERTAIN = 1e-15;
 
 /* The integrals over the solid. */

@@ -22,7 +22,7 @@ static const swept_correction SWEPT[] = {
 static const swept_correction AFTER_SOFT = {12, 6, 4.8, 1, 20};
 static const swept_correction STILL_DEEP = {50, 6, 4.8, 3, 60}; /* after that */
 
-/* The statistics then have the depth that is left among the bodies of these rules. */
+/* Sets penetration_left to the depth that is left between the bodies that the rules apply to. */
 static pe_status correct_by(pe_step *step, const pe_correction_rules *rules)
 {
     pe_correction_report report;
