@@ -313,26 +313,38 @@ static void test_a_solid_wholly_inside_another_is_pushed_out(void **state)
     free_geometry(ring);
 }
 
-/* At a margin that reaches the other side of the solid, too. */
-static void test_cylinder_inside_mesh_overlaps_at_any_margin(void **state)
+/* At a margin that reaches the other side of the solid, too, and where the nearest part of its surface
+ * is a dent. */
+static void test_solid_inside_mesh_overlaps_at_any_margin(void **state)
 {
     (void)state;
     check_random random = {3};
     pe_geometry *ring = mesh_geometry(mesh_torus(6, 2, 9, 8));
+    pe_geometry *small = mesh_geometry(mesh_cube(0.1));
     placed_shape outer = mesh_at(ring, pe_v3(0, 0, 0), unturned);
-    for (int i = 0; i < 500; ++i) {
+    for (int i = 0; i < 100; ++i) {
         const double around = check_uniform(&random, 0, 7);
         pe_vec3 x = random_vector(&random, 0.5);
         x = pe_add(x, pe_v3(5.5 * cos(around), 5.5 * sin(around), 0));
-        placed_shape inner =
+        pe_quat turn = random_turn(&random);
+        const placed_shape inner[5] = {
             shape_at((pe_shape){.kind = PE_SHAPE_CYLINDER, .radius = 0.016, .half_height = 0.077},
-                     x, random_turn(&random));
-        for (double margin = 1e-3; margin < 10; margin *= 2) {
-            found f = collide(&outer, &inner, margin);
-            assert_true(f.count >= 1);
-            assert_true(least_of(&f) < 0);
+                     x, turn),
+            shape_at((pe_shape){.kind = PE_SHAPE_CAPSULE, .radius = 0.016, .half_height = 0.077}, x,
+                     turn),
+            box_at(pe_v3(0.02, 0.05, 0.08), x, turn),
+            sphere_at(0.05, x),
+            mesh_at(small, x, turn),
+        };
+        for (int k = 0; k < 5; ++k) {
+            for (double margin = 1e-3; margin < 10; margin *= 2) {
+                found f = collide(&outer, &inner[k], margin);
+                assert_true(f.count >= 1);
+                assert_true(least_of(&f) < 0);
+            }
         }
     }
+    free_geometry(small);
     free_geometry(ring);
 }
 
@@ -408,7 +420,7 @@ int main(void)
         cmocka_unit_test(test_torus_on_cube_is_deep_as_lowest_vertex),
         cmocka_unit_test(test_wide_margin_finds_nearest_features_only),
         cmocka_unit_test(test_a_solid_wholly_inside_another_is_pushed_out),
-        cmocka_unit_test(test_cylinder_inside_mesh_overlaps_at_any_margin),
+        cmocka_unit_test(test_solid_inside_mesh_overlaps_at_any_margin),
         cmocka_unit_test(test_features_stay_while_a_stack_sways),
         cmocka_unit_test(test_any_allocation_may_fail),
     };

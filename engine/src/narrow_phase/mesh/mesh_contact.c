@@ -68,8 +68,8 @@ static void add_nearest(const pe_solid_pair *pair, const pe_nearest *nearest, pe
     }
 }
 
-/* Whether the smaller solid lies wholly in the larger one, with no surface near: one vertex shows
- * it. */
+/* Whether the smaller of two solids whose surfaces do not cross lies in the larger one: one vertex
+ * shows it. */
 static bool is_nested(const pe_solid_pair *pair)
 {
     if (pair->a.volume < pair->b.volume) {
@@ -114,7 +114,9 @@ int pe_collide_solid_mesh(pe_placed other, pe_placed mesh, double margin, pe_wor
         bound = pe_min(bound, least_gap(pair, &list) + pair->slack);
     }
     pe_nearest nearest = pe_solids_nearest(pair, bound);
-    bool wholly = !nearest.found && pair->depth > 2 * pair->slack && is_nested(pair);
+    /* Features found near do not exclude it: from inside, the nearest may be a dent. */
+    bool wholly =
+        !nearest.cross && !nearest.inside && pair->depth > 2 * pair->slack && is_nested(pair);
     if (wholly) {
         pair->near_a.facets = NULL;
         nearest = pe_solids_nearest(pair, HUGE_VAL);
