@@ -219,18 +219,19 @@ static void test_truth_equals_libccd_where_its_depth_is_proven(void **state)
         if (truth.low > -1e-2 * p.size) {
             continue;
         }
-        ccd_solid one = {&p.a, p.a.pose.position}, two = {&p.b, p.a.pose.position};
+        ccd_solid one = {&p.a, p.a.pose.position, p.size}, two = {&p.b, p.a.pose.position, p.size};
         ccd_t ccd;
         CCD_INIT(&ccd);
         ccd.support1 = ccd.support2 = ccd_support;
         ccd.max_iterations = 300;
-        ccd.epa_tolerance = 1e-9 * p.size;
+        ccd.epa_tolerance = 1e-9;
         double depth;
         ccd_vec3_t dir, at;
         trials += 1;
         if (ccdGJKPenetration(&one, &two, &ccd, &depth, &dir, &at) != 0) {
             continue;
         }
+        depth *= p.size;
         pe_vec3 n = pe_v3(dir.v[0], dir.v[1], dir.v[2]);
         double along = pair_separation_along(&p, n);
         assert_at_most(along, truth.high + rounding(&p));

@@ -37,7 +37,8 @@ static void nudge(pair *p, const uint8_t *bytes)
 static bool agrees_with_libccd(trial *t)
 {
     const pair *p = &t->pair;
-    const ccd_solid one = {&p->a, p->a.pose.position}, two = {&p->b, p->a.pose.position};
+    const ccd_solid one = {&p->a, p->a.pose.position, p->size},
+                    two = {&p->b, p->a.pose.position, p->size};
     ccd_t ccd;
     CCD_INIT(&ccd);
     ccd.support1 = ccd.support2 = ccd_support;

@@ -19,5 +19,6 @@ void ccd_support(const void *object, const ccd_vec3_t *dir, ccd_vec3_t *out)
         }
     }
     v = pe_add(pe_sub(p->pose.position, s->origin), pe_rotate(&p->pose.rotation, v));
+    v = pe_scale(1 / s->unit, v);
     ccdVec3Set(out, v.x, v.y, v.z);
 }

@@ -6,11 +6,13 @@
 
 #include <ccd/ccd.h>
 
-/* A box, cylinder, hull, sphere or capsule; positions are relative to the origin, so that digits are not
- * lost far out. */
+/* A box, cylinder, hull, sphere or capsule. Positions are relative to the origin, so that digits are not
+ * lost far out, and in units of the pair's size: libccd compares squares of lengths with absolute numbers,
+ * and misses overlaps of small shapes whose centres nearly coincide. */
 typedef struct ccd_solid {
     const placed *p;
     pe_vec3 origin;
+    double unit; /* m */
 } ccd_solid;
 
 /* The support function, of a ccd_solid. */

@@ -2,6 +2,7 @@
 #include "shape_pairs_laws.h"
 
 #include "mesh_truth.h"
+#include "narrow_phase/tolerances.h"
 #include "shape_pairs_trial.h"
 
 #include <float.h>
@@ -170,6 +171,11 @@ static bool is_point_sound(trial *t, const pe_pair_manifold *manifold, const pe_
     /* Across the normal, the nearest points are only known to this accuracy: a shift by it changes
      * their distance by rounding. */
     within += sqrt(2 * pe_max(0, point->separation) * DBL_EPSILON * (wide(&t->pair) + 5));
+    if (t->pair.b.shape.kind == PE_SHAPE_MESH) {
+        /* A touch that shares another's manifold is seen along that one's normal, and its point on a face
+         * moves along the face. */
+        within += PE_ONE_NORMAL * fabs(point->separation);
+    }
     return is_near(t, "point of a outside it by", off_the_solid(&t->pair.a, on_a), 0, within) &&
            is_near(t, "point of b outside it by", off_the_solid(&t->pair.b, on_b), 0, within);
 }

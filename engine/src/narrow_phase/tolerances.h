@@ -166,7 +166,8 @@
 /* In units of the sum of the curves' areas: vector areas of this size do not cancel. */
 #define PE_NOT_CANCELLED 0.25
 
-/* Manifolds. Sine of the angle below which two normals are one. */
+/* Manifolds. Sine of the angle below which two normals are one: points of the second are seen along
+ * the first, and move along their faces by up to this times their separation. */
 #define PE_ONE_NORMAL 1e-3
 /* Length: normals that no plane has, but a line between two points, are one if a turn of the line
  * about the core moves the points by less. */
