@@ -137,42 +137,49 @@ static double to_surfaces(const soup *a, const soup *b)
     return least;
 }
 
+static mesh_interval exactly(double distance)
+{
+    return (mesh_interval){distance, distance};
+}
+
 /* A cylinder lies within the capsule of its axis and radius: a triangle farther from that than the
  * nearest so far needs no search. */
-static double cylinder_triangle(const placed *a, pe_vec3 p, pe_vec3 q, const triangle *t,
-                                double least)
+static mesh_interval cylinder_triangle(const placed *a, pe_vec3 p, pe_vec3 q, const triangle *t,
+                                       mesh_interval least)
 {
-    if (segment_triangle(p, q, t) - a->shape.radius >= least) {
+    if (segment_triangle(p, q, t) - a->shape.radius >= least.high) {
         return least;
     }
     static const pe_shape hull = {.kind = PE_SHAPE_HULL};
     const pe_pose at = {{0, 0, 0}, {1, 0, 0, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     truth_difference m = truth_subtract((truth_solid){&a->shape, NULL, 0, &a->pose},
                                         (truth_solid){&hull, t->v, 3, &at});
-    return pe_min(least, pe_max(0, truth_signed_distance(&m, 1e-12 * a->solid->size).low));
+    truth_distance d = truth_signed_distance(&m, 1e-12 * a->solid->size);
+    return (mesh_interval){pe_min(least.low, pe_max(0, d.low)),
+                           pe_min(least.high, pe_max(0, d.high))};
 }
 
 /* Of a sphere, a capsule or a cylinder. */
-static double round_distance(const placed *a, const soup *b)
+static mesh_interval round_distance(const placed *a, const soup *b)
 {
     pe_vec3 half = pe_scale(a->shape.kind == PE_SHAPE_SPHERE ? 0 : a->shape.half_height,
                             pe_axis(&a->pose.rotation, 2));
     pe_vec3 p = pe_sub(a->pose.position, half), q = pe_add(a->pose.position, half);
-    double least = HUGE_VAL;
+    mesh_interval least = exactly(HUGE_VAL);
     for (int i = 0; i < b->count; ++i) {
         const triangle *t = &b->item[i];
         if (a->shape.kind == PE_SHAPE_CYLINDER) {
             least = cylinder_triangle(a, p, q, t, least);
-        } else if (a->shape.kind == PE_SHAPE_SPHERE) {
-            least = pe_min(least, point_triangle(p, t) - a->shape.radius);
         } else {
-            least = pe_min(least, segment_triangle(p, q, t) - a->shape.radius);
+            double d =
+                a->shape.kind == PE_SHAPE_SPHERE ? point_triangle(p, t) : segment_triangle(p, q, t);
+            least = exactly(pe_min(least.low, pe_max(0, d - a->shape.radius)));
         }
     }
-    return pe_max(0, least);
+    return least;
 }
 
-double mesh_distance(const pair *p)
+mesh_interval mesh_distance(const pair *p)
 {
     soup a, b;
     take_triangles(&p->b, &b);
@@ -182,16 +189,16 @@ double mesh_distance(const pair *p)
             pe_vec3 above = pe_sub(b.item[i / 3].v[i % 3], p->a.pose.position);
             least = pe_min(least, pe_dot(p->a.shape.normal, above));
         }
-        return pe_max(0, least);
+        return exactly(pe_max(0, least));
     }
     if (p->a.solid->triangle_count == 0) {
-        return is_in_polyhedron(&p->b, p->a.pose.position) ? 0 : round_distance(&p->a, &b);
+        return is_in_polyhedron(&p->b, p->a.pose.position) ? exactly(0) : round_distance(&p->a, &b);
     }
     take_triangles(&p->a, &a);
     if (is_in_polyhedron(&p->b, a.item[0].v[0]) || is_in_polyhedron(&p->a, b.item[0].v[0])) {
-        return 0;
+        return exactly(0);
     }
-    return to_surfaces(&a, &b);
+    return exactly(to_surfaces(&a, &b));
 }
 
 double surface_distance(const placed *p, pe_vec3 x)

@@ -4,8 +4,12 @@
 
 #include "shape_pairs.h"
 
-/* The distance of the two solids, b being a mesh, to 1e-12 of the size; 0 if they overlap. */
-double mesh_distance(const pair *p);
+/* The distance of the two solids, b being a mesh, lies between; both are 0 if they overlap. */
+typedef struct mesh_interval {
+    double low, high; /* m: they differ by up to 1e-12 of the size, or more of a few cylinders */
+} mesh_interval;
+
+mesh_interval mesh_distance(const pair *p);
 
 /* The distance of a point of the world from the surface of a polyhedron. */
 double surface_distance(const placed *p, pe_vec3 x);
