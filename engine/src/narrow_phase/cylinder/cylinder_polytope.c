@@ -343,6 +343,30 @@ static void add_edge_along_side(contact *s)
     }
 }
 
+/* How far the point is outside the cylinder, m. */
+static double outside_cylinder(const contact *s, pe_vec3 x)
+{
+    return pe_length(pe_sub(pe_cylinder_nearest(s->c, x), x));
+}
+
+/* The point of an edge that is nearest to the side, in the part of the edge between the caps. That
+ * part may be reached only far along an edge that lies nearly in a cap's plane. The point is then
+ * taken as it is, beyond the cap by rounding. */
+static pe_vec3 place_along_side(const contact *s, const pe_polytope *p, const pe_meeting_gap *gap)
+{
+    const int *vertex = p->edges[gap->index].vertex;
+    pe_vec3 v = p->vertices[vertex[0]], step = pe_sub(p->vertices[vertex[1]], v);
+    double end[2], place = pe_cylinder_edge_place(p, s->c, gap);
+    along_cylinder(s, v, step, end);
+    pe_vec3 x = pe_madd(v, pe_max(end[0], pe_min(end[1], place)), step);
+    pe_vec3 other = pe_madd(v, place, step);
+    double outside = outside_cylinder(s, pe_madd(x, gap->distance, s->d));
+    return outside > PE_CYLINDER_TIE * s->list.size &&
+                   outside_cylinder(s, pe_madd(other, gap->distance, s->d)) < outside
+               ? other
+               : x;
+}
+
 /* Of the vertices that are as near as the given one, that whose opposite point is in the cylinder,
  * or least outside. */
 static pe_vec3 corner_below(const contact *s, const pe_polytope *p, int vertex)
@@ -351,7 +375,7 @@ static pe_vec3 corner_below(const contact *s, const pe_polytope *p, int vertex)
     double height = pe_dot(s->d, best) - PE_CYLINDER_TIE * s->list.size, least = HUGE_VAL;
     for (int i = 0; i < p->vertex_count && least > 0; ++i) {
         pe_vec3 v = p->vertices[i], x = pe_madd(v, s->gap, s->d);
-        double outside = pe_length(pe_sub(pe_cylinder_nearest(s->c, x), x));
+        double outside = outside_cylinder(s, x);
         if (pe_dot(s->d, v) >= height && outside < least) {
             least = outside;
             best = v;
@@ -372,12 +396,7 @@ static bool nearest_point(const contact *s, const pe_meeting_gap *gap, pe_vec3 *
     }
     pe_vec3 v;
     if (gap->kind == PE_EDGE_SIDE) {
-        const pe_edge *edge = &p->edges[gap->index];
-        v = p->vertices[edge->vertex[0]];
-        pe_vec3 step = pe_sub(p->vertices[edge->vertex[1]], v);
-        double end[2], place = pe_cylinder_edge_place(p, c, gap);
-        along_cylinder(s, v, step, end);
-        v = pe_madd(v, pe_max(end[0], pe_min(end[1], place)), step);
+        v = place_along_side(s, p, gap);
     } else {
         v = corner_below(s, p, gap->index);
     }
