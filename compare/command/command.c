@@ -14,23 +14,27 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { MAX_OPTIONS = 64, FIRST_KEY = 0x100 };
+enum { FIRST_KEY = 0x100 };
 
-/* Options that argp itself understands, for suggestions. */
-static const char *const COMMON_OPTIONS[] = {"help", "usage", "version"};
+/* Options that argp itself understands, with its help. */
+const pl_option pl_common_options[] = {
+    {.name = "help", .help = "Give this help list", .letter = '?'},
+    {.name = "usage", .help = "Give a short usage message"},
+    {.name = "version", .help = "Print program version", .letter = 'V'},
+    {0}};
 enum {
     HELP_OPTION = 0,
     USAGE_OPTION = 1,
-    COMMON_COUNT = sizeof COMMON_OPTIONS / sizeof COMMON_OPTIONS[0]
+    COMMON_COUNT = sizeof pl_common_options / sizeof pl_common_options[0] - 1
 };
 
 /* A command line that is being parsed. */
 typedef struct parsing {
     const pl_call *call;
     void *options;
-    const pl_option *table[MAX_OPTIONS]; /* (count) all options of the command */
+    pl_listed_option table[PL_MOST_OPTIONS]; /* (count) all options of the command */
     int count;
-    struct argp_option argp[MAX_OPTIONS + 1]; /* (count) the same for argp, and a zero */
+    struct argp_option argp[PL_MOST_OPTIONS + 1]; /* (count) the same for argp, and a zero */
     const char *explains; /* "--help" or "--usage", which the command line asks for; NULL: none */
     FILE *explanation;    /* where argp writes that */
 } parsing;
@@ -45,11 +49,12 @@ void pl_texts_add(pl_texts *texts, const char *item)
 
 /* ---- Tables of options ---- */
 
-static void collect(parsing *p, const pl_option *options)
+static void collect(const pl_command *command, const pl_option *options,
+                    pl_listed_option list[PL_MOST_OPTIONS], int *count)
 {
-    const pl_option *own = p->call->command->options;
+    const pl_option *own = command->options;
     for (const pl_option *option = options; option != NULL && option->name != NULL; ++option) {
-        if (option->kind == PL_OPTION_HELP || p->count == MAX_OPTIONS) {
+        if (option->kind == PL_OPTION_HELP || *count == PL_MOST_OPTIONS) {
             continue;
         }
         const char *help = option->help;
@@ -58,22 +63,46 @@ static void collect(parsing *p, const pl_option *options)
                 help = other->help;
             }
         }
-        p->argp[p->count] =
-            (struct argp_option){.name = option->name,
-                                 .key = option->letter != 0 ? option->letter : FIRST_KEY + p->count,
-                                 .arg = option->argument,
-                                 .doc = help};
-        p->table[p->count++] = option;
+        list[(*count)++] = (pl_listed_option){option, help};
     }
 }
 
+int pl_command_options(const pl_command *command, pl_listed_option options[PL_MOST_OPTIONS])
+{
+    int count = 0;
+    collect(command, command->options, options, &count);
+    for (int i = 0; i < PL_SHARED_OPTIONS && command->shared[i] != NULL; ++i) {
+        collect(command, command->shared[i], options, &count);
+    }
+    return count;
+}
+
+/* Lists the options, for argp too. */
+static void list_options(parsing *p)
+{
+    p->count = pl_command_options(p->call->command, p->table);
+    for (int i = 0; i < p->count; ++i) {
+        const pl_option *option = p->table[i].option;
+        p->argp[i] =
+            (struct argp_option){.name = option->name,
+                                 .key = option->letter != 0 ? option->letter : FIRST_KEY + i,
+                                 .arg = option->argument,
+                                 .doc = p->table[i].help};
+    }
+}
+
+static const char *option_name(const parsing *p, int i)
+{
+    return i < p->count ? p->table[i].option->name : pl_common_options[i - p->count].name;
+}
+
 /* The only option that begins with the first `length` characters of `name`, or is `name`, as getopt
- * finds it; COMMON_OPTIONS have indices from p->count on. -1: there is none; -2: several. */
+ * finds it; pl_common_options have indices from p->count on. -1: there is none; -2: several. */
 static int find(const parsing *p, const char *name, size_t length)
 {
     int found = -1;
     for (int i = 0; i < p->count + COMMON_COUNT; ++i) {
-        const char *other = i < p->count ? p->table[i]->name : COMMON_OPTIONS[i - p->count];
+        const char *other = option_name(p, i);
         if (strncmp(other, name, length) == 0) {
             if (strlen(other) == length) {
                 return i;
@@ -87,9 +116,9 @@ static int find(const parsing *p, const char *name, size_t length)
 static void reject_unknown(const parsing *p, const char *option, size_t length)
 {
     char word[PL_NAME_SIZE];
-    const char *names[MAX_OPTIONS + COMMON_COUNT];
+    const char *names[PL_MOST_OPTIONS + COMMON_COUNT];
     for (int i = 0; i < p->count + COMMON_COUNT; ++i) {
-        names[i] = i < p->count ? p->table[i]->name : COMMON_OPTIONS[i - p->count];
+        names[i] = option_name(p, i);
     }
     snprintf(word, sizeof word, "%.*s", (int)length, option);
     const char *nearest = pl_nearest_name(word, names, p->count + COMMON_COUNT);
@@ -117,7 +146,8 @@ static void check_options(parsing *p)
             if (found == p->count + HELP_OPTION || found == p->count + USAGE_OPTION) {
                 p->explains = found == p->count + HELP_OPTION ? "--help" : "--usage";
             }
-            bool takes_argument = found >= 0 && found < p->count && p->table[found]->argument;
+            bool takes_argument =
+                found >= 0 && found < p->count && p->table[found].option->argument;
             i += takes_argument && argument[2 + length] != '=';
         }
     }
@@ -193,7 +223,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
     for (int i = 0; i < p->count; ++i) {
         if (p->argp[i].key == key) {
-            set_option(p->table[i], p->options, text, state);
+            set_option(p->table[i].option, p->options, text, state);
             return 0;
         }
     }
@@ -231,10 +261,7 @@ void pl_call_parse(const pl_call *call, void *options)
 {
     const pl_command *command = call->command;
     parsing p = {.call = call, .options = options};
-    collect(&p, command->options);
-    for (int i = 0; i < PL_SHARED_OPTIONS && command->shared[i] != NULL; ++i) {
-        collect(&p, command->shared[i]);
-    }
+    list_options(&p);
     check_options(&p);
     char *doc = NULL;
     if (asprintf(&doc, "%s\v%s", command->description, command->notes) < 0) {

@@ -55,7 +55,19 @@ typedef struct pl_option {
     /* PARSED: takes the text. A failure ends the program as a usage error with its message. */
     pl_status (*parse)(void *options, const char *text, pl_error *error);
     char letter; /* short form "-letter"; 0: none */
+    /* What a shell completes, in the form of pl_command.arguments, such as "json|mjcf"; NULL: what
+     * `argument` names. */
+    const char *values;
 } pl_option;
+
+/* --help, --usage and --version, which every command has. Ends with {0}. */
+extern const pl_option pl_common_options[];
+
+/* An option with its help in a command. */
+typedef struct pl_listed_option {
+    const pl_option *option;
+    const char *help;
+} pl_listed_option;
 
 enum { PL_SHARED_OPTIONS = 6 };
 
@@ -83,6 +95,11 @@ typedef struct pl_command {
     pl_status (*check)(void *options, pl_error *error);
     int (*run)(const pl_call *call); /* returns the exit code */
 } pl_command;
+
+enum { PL_MOST_OPTIONS = 64 };
+
+/* Lists the options of a command without the common ones, its own first. Returns their number. */
+int pl_command_options(const pl_command *command, pl_listed_option options[PL_MOST_OPTIONS]);
 
 /* Parses the command line into the command's options, which hold their defaults before. Ends the
  * program on bad usage (exit 2, with a suggestion for an unknown option), --help and --version. */
@@ -120,6 +137,17 @@ extern const pl_command pl_command_compare, pl_command_run, pl_command_threshold
     pl_command_scene, pl_command_solve, pl_command_ensemble, pl_command_sweep, pl_command_tune,
     pl_command_report, pl_command_metamorphic, pl_command_gate, pl_command_check_engine,
     pl_command_new_engine, pl_command_view, pl_command_doctor;
+
+/* All commands in the order of `plumb help`, which has no description. Static storage. */
+const pl_command *const *pl_commands(int *count);
+
+/* An exit code, such as "0", and when the program ends with it. */
+typedef struct pl_exit_meaning {
+    const char *code, *meaning;
+} pl_exit_meaning;
+
+/* All of them. Static storage. */
+const pl_exit_meaning *pl_exit_meanings(int *count);
 
 /* The program: finds the command, runs it, and returns the exit code. */
 int pl_program(int argc, char **argv);

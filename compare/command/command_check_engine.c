@@ -344,7 +344,7 @@ static int run(const pl_call *call)
 
 static const pl_option OPTIONS[] = {
     {"check", "NAME", "Run this check alone (repeatable)", PL_OPTION_TEXTS,
-     .field = offsetof(options, checks), .letter = 'c'},
+     .field = offsetof(options, checks), .letter = 'c', .values = "CHECK"},
     {"all-profiles", NULL, "Check every profile of each engine, rather than the first",
      PL_OPTION_FLAG, .field = offsetof(options, all_profiles), .letter = 'a'},
     {"quiet", NULL, "Print failures and verdicts only", PL_OPTION_FLAG,

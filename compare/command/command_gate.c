@@ -279,7 +279,7 @@ static const pl_option OPTIONS[] = {
      "bullet:si, or else ode:quick)",
      PL_OPTION_TEXT, .field = offsetof(options, reference)},
     {"format", "FORMAT", "text (default), junit, github or json", PL_OPTION_PARSED,
-     .parse = parse_format},
+     .parse = parse_format, .values = "text|junit|github|json"},
     {"out", "FILE", "Write the output in that format to FILE, and text to standard output",
      PL_OPTION_TEXT, .field = offsetof(options, request.out)},
     {0}};

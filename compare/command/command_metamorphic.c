@@ -116,7 +116,8 @@ static const pl_option OPTIONS[] = {
     {"check", "NAME",
      "One check, such as rotate-z45, or all checks of a kind: again, rotate, mirror, order, "
      "far, scale, shift, restart (repeatable; default all)",
-     PL_OPTION_TEXTS, .field = offsetof(options, checks)},
+     PL_OPTION_TEXTS, .field = offsetof(options, checks),
+     .values = "again|rotate|mirror|order|far|scale|shift|restart"},
     {0}};
 
 const pl_command pl_command_metamorphic = {

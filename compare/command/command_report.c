@@ -318,7 +318,8 @@ static const pl_option OPTIONS[] = {
      .help = "Only this: html, md, csv (a row a run); of --figure svg "
              "(default), png, pdf",
      .kind = PL_OPTION_TEXT,
-     .field = offsetof(options, named)},
+     .field = offsetof(options, named),
+     .values = "html|md|csv|svg|png|pdf"},
     {.name = "figure",
      .argument = "SCENARIO[:t=S]",
      .help = "Only a picture of a scenario, all engines side by side, "

@@ -21,10 +21,10 @@ static pl_status parse_format(void *options, const char *text, pl_error *error)
     return PL_OK;
 }
 
-static const pl_option format_options[] = {{"format", "FORMAT",
-                                            "json (the default), or mjcf: a model for MuJoCo",
-                                            PL_OPTION_PARSED, .parse = parse_format},
-                                           {0}};
+static const pl_option format_options[] = {
+    {"format", "FORMAT", "json (the default), or mjcf: a model for MuJoCo", PL_OPTION_PARSED,
+     .parse = parse_format, .values = "json|mjcf"},
+    {0}};
 
 static pl_status check(void *options, pl_error *error)
 {

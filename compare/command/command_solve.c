@@ -410,7 +410,7 @@ static int run(const pl_call *call)
 
 static const pl_option OPTIONS[] = {
     {"solver", "NAME", "The solver, or \"all\" (repeatable; listed below)", PL_OPTION_TEXTS,
-     .field = offsetof(options, solvers)},
+     .field = offsetof(options, solvers), .values = "SOLVER"},
     {"tolerance", "M/S", "The residual at which a problem counts as solved (default 1e-8)",
      PL_OPTION_NUMBER, .field = offsetof(options, limits.tolerance), .takes = "m/s", .min = 1e-300,
      .max = 1e300},

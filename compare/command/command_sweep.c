@@ -338,7 +338,7 @@ static const pl_option OPTIONS[] = {
      "alone and take precedence. VALUES: a,b,c; 1..9; 0..1:+0.25; 1..256:x2, also mixed; "
      "numbers may be fractions, 1/240..1/60:x2. Overrides --set and --dt (repeatable; "
      "default: the usual sweep, described above)",
-     PL_OPTION_PARSED, .parse = add_vary},
+     PL_OPTION_PARSED, .parse = add_vary, .values = "dt=|profile=|NAME=VALUE"},
     {"repeat", "N", "Runs of each point, interleaved (default 1; 3 without --vary)",
      PL_OPTION_INTEGER, .field = offsetof(options, repeats), .min = 1, .max = PL_GRID_MOST_RUNS},
     {"repeat-below", "S",

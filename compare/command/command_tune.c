@@ -184,7 +184,7 @@ static const pl_option OPTIONS[] = {
     {"vary", "KEY=LOW..HIGH",
      "Tune dt or an option over this range instead of its default one, or tune an option that "
      "is not tuned otherwise; numbers may be fractions (repeatable)",
-     PL_OPTION_TEXTS, .field = offsetof(options, varied)},
+     PL_OPTION_TEXTS, .field = offsetof(options, varied), .values = "dt="},
     {"fix", "KEY=VALUE", "Do not tune dt or that option (repeatable)", PL_OPTION_TEXTS,
      .field = offsetof(options, fixed)},
     {"budget", "N",

@@ -2,6 +2,7 @@
 #include "command.h"
 
 #include "base/folding.h"
+#include "complete.h"
 
 #include <argp.h>
 #include <fcntl.h>
@@ -13,9 +14,10 @@
 static int help(const pl_call *call);
 static int version(const pl_call *call);
 
-static const pl_command HELP = {.name = "help", .summary = "explain a command", .run = help};
+static const pl_command HELP = {
+    .name = "help", .summary = "explain a command", .arguments = "[COMMAND]", .run = help};
 static const pl_command VERSION = {
-    .name = "version", .summary = "print the version", .run = version};
+    .name = "version", .summary = "print the version", .arguments = "", .run = version};
 
 static const pl_command *const COMMANDS[] = {&pl_command_compare,
                                              &pl_command_run,
@@ -44,15 +46,32 @@ static const char INTRODUCTION[] = "plumb runs canonical scenarios on rigid-body
                                    "Usage: plumb COMMAND [OPTION...]\n"
                                    "\n";
 
-static const char CLOSING[] =
-    "\n"
-    "  plumb help COMMAND     options and examples of a command\n"
-    "  plumb --version        version\n"
-    "\n"
-    "Exit codes: 0 success; 1 the gate failed (gate) or a check failed (check-engine); 2 usage "
-    "or bad input; 3 the outcome of a run is not ok (run), no solver reached the tolerance "
-    "(solve), a run could not be made, or I/O failed; 4 nothing was compared; 128+N ended by "
-    "signal N.\n";
+static const char CLOSING[] = "\n"
+                              "  plumb help COMMAND     options and examples of a command\n"
+                              "  plumb --version        version\n"
+                              "\n";
+
+static const pl_exit_meaning EXIT_MEANINGS[] = {
+    {"0", "success"},
+    {"1", "the gate failed (gate) or a check failed (check-engine)"},
+    {"2", "usage or bad input"},
+    {"3", "the outcome of a run is not ok (run), no solver reached the tolerance (solve), a run "
+          "could not be made, or I/O failed"},
+    {"4", "nothing was compared"},
+    {"128+N", "ended by signal N"}};
+enum { EXIT_COUNT = sizeof EXIT_MEANINGS / sizeof EXIT_MEANINGS[0] };
+
+const pl_command *const *pl_commands(int *count)
+{
+    *count = COMMAND_COUNT;
+    return COMMANDS;
+}
+
+const pl_exit_meaning *pl_exit_meanings(int *count)
+{
+    *count = EXIT_COUNT;
+    return EXIT_MEANINGS;
+}
 
 /* The command of that name; NULL, after a message on behalf of `asker`, when there is none. */
 static const pl_command *find_command(const char *name, const char *asker, const char *otherwise)
@@ -91,6 +110,11 @@ static int help(const pl_call *call)
             fprintf(out, "  plumb %-12s  %s\n", COMMANDS[i]->name, COMMANDS[i]->summary);
         }
         fputs(CLOSING, out);
+        for (int i = 0; i < EXIT_COUNT; ++i) {
+            fprintf(out, "%s%s %s", i == 0 ? "Exit codes: " : "; ", EXIT_MEANINGS[i].code,
+                    EXIT_MEANINGS[i].meaning);
+        }
+        fputs(".\n", out);
         pl_folding_end(&folding);
         return PL_EXIT_OK;
     }
@@ -159,6 +183,9 @@ int pl_program(int argc, char **argv)
     if (argc < 2) {
         fprintf(stderr, "plumb: no command was given; see plumb help\n");
         return PL_EXIT_USAGE;
+    }
+    if (strcmp(argv[1], "__complete") == 0) {
+        return pl_complete(COMMANDS, COMMAND_COUNT, argc - 2, argv + 2);
     }
     const bool is_option = strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--version") == 0;
     const pl_command *command =

@@ -133,7 +133,7 @@ const pl_option pl_limit_options[] = {
 
 const pl_option pl_comparison_options[] = {
     {"suite", "NAME", "All scenarios of a suite (repeatable)", PL_OPTION_TEXTS,
-     .field = offsetof(pl_request, suites)},
+     .field = offsetof(pl_request, suites), .values = "SUITE"},
     {"engine", "SPEC",
      "An engine: NAME[:PROFILE][,OPTION=VALUE...][,label=TEXT]; the path of a shared object, or "
      "exec:COMMAND, in place of NAME (repeatable; default: all native ones that are present)",
