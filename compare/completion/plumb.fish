@@ -9,7 +9,7 @@ function __plumb_complete
         if set -l suffix (string replace -f ':files ' '' -- $line)
             set -l option (string match -r -- '^--[^=]*=' $word)
             set -l files (__fish_complete_path (string replace -r -- '^--[^=]*=' '' $word))
-            string match -r -- ".*(/|$(string escape --style=regex -- $suffix))(\t.*)?\$" $option$files
+            string match -r -- ".*(?:/|$(string escape --style=regex -- $suffix))(?:\t.*)?\$" "$option"$files
         else
             echo $line
         end
