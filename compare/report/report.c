@@ -33,9 +33,12 @@ enum {
     VERDICT_COLUMNS = sizeof verdict_columns / sizeof verdict_columns[0]
 };
 
+/* Adds a field. A real number has a point or an exponent, so that the type of a column does not depend on its
+ * values. */
 static void add_value(const json_t *value, pl_text_buffer *out)
 {
     char *text = NULL;
+    char digits[32];
     switch (value == NULL ? JSON_NULL : json_typeof(value)) {
     case JSON_NULL:
         return;
@@ -43,7 +46,8 @@ static void add_value(const json_t *value, pl_text_buffer *out)
         pl_text_add_csv(out, json_string_value(value));
         return;
     case JSON_REAL:
-        pl_text_format(out, "%.17g", json_real_value(value));
+        snprintf(digits, sizeof digits, "%.17g", json_real_value(value));
+        pl_text_format(out, "%s%s", digits, strpbrk(digits, ".e") == NULL ? ".0" : "");
         return;
     case JSON_INTEGER:
         pl_text_format(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
@@ -104,8 +108,13 @@ static void add_line(const json_t *result, const char *name, const json_t *metri
     add_values(result, run_columns, RUN_COLUMNS, true, out);
     pl_text_add(out, ",");
     pl_text_add_csv(out, name == NULL ? "" : name);
-    add_values(metric, metric_columns, METRIC_COLUMNS, false, out);
+    const json_t *value = json_object_get(metric, "value");
+    pl_text_add(out, ",");
+    add_value(json_is_string(value) ? NULL : value, out);
+    add_values(metric, metric_columns + 1, METRIC_COLUMNS - 1, false, out);
     add_values(result, verdict_columns, VERDICT_COLUMNS, false, out);
+    pl_text_add(out, ",");
+    add_value(json_is_string(value) ? value : NULL, out);
     pl_text_add(out, "\r\n");
 }
 
@@ -116,7 +125,8 @@ static void add_header(pl_text_buffer *out)
     add_columns(metric_columns, METRIC_COLUMNS - 1, false, out);
     pl_text_add(out, ",metric_reason"); /* "reason" is the run's */
     add_columns(verdict_columns, VERDICT_COLUMNS, false, out);
-    pl_text_add(out, "\r\n");
+    /* Of a metric whose value is a text: the column value has numbers alone. */
+    pl_text_add(out, ",value_text\r\n");
 }
 
 void pl_report_csv(json_t *results, pl_text_buffer *out)

@@ -37,7 +37,8 @@ void pl_report_runs_csv(json_t *results, pl_text_buffer *out);
 
 /* Adds results as CSV (RFC 4180) with a header and CRLF: a row for each run and metric, with the
  * keys that identify the run in every row; a run without metrics has one row whose metric is empty.
- * Numbers have full precision; null and absent values are empty fields. */
+ * Numbers have full precision; null and absent values are empty fields. A value that is a text is in
+ * the last column, value_text, so that the column value has numbers alone. */
 void pl_report_csv(json_t *results, pl_text_buffer *out);
 
 /* Prints the same results as a UTF-8 table that fits `width` columns (at least 40): first where
