@@ -9,6 +9,10 @@ to the files of the repository's root, with plumb on the PATH; those of the page
 run in a folder that it made. A command whose engine is absent counts as not run. A block
 ```LANGUAGE NAME is written to the file NAME there. Commands that take minutes get further arguments that
 reduce them; the few that cannot run inside a test are only checked for existence.
+
+In a ```console block, a command exits with 0, or with the number below "$ echo $?" after it. What stands below a
+command that is not reduced must be in its output, in that order: "..." stands for what is left out, and numbers and spaces
+may differ.
 """
 
 import os
@@ -24,7 +28,7 @@ REDUCED = (
     (r"^plumb sweep (--suite canonical|wall-collapse )", "--duration 0.1 --timeout 2 --repeat 1 --vary dt=1/60"),
     (r"^plumb sweep .*--suite", "--duration 0.1 --timeout 5 --engine plumb --engine ode"),
     (r"^plumb compare .*--suite", "--duration 0.1 --timeout 1"),
-    (r"^plumb (compare|sweep|metamorphic) ", "--duration 0.1"),
+    (r"^plumb (compare|sweep|metamorphic) (?!compare/examples/)", "--duration 0.1"),
     (r"^plumb run (pile|blocks) ", "--duration 0.02"),
     (r"^plumb tune ", "--budget 12 --duration 0.5"),
     (r"^plumb ensemble ", "--duration 0.2"),
@@ -32,6 +36,10 @@ REDUCED = (
     # The page of the template has the same engine run all checks.
     (r"^plumb check-engine 'exec:python3 (my-engine/)?engine.py'", "--check gravity --check repeats"),
 )
+# Pages whose commands are short, and never reduced.
+AS_PRINTED = ("compare/examples/README.md",)
+# A search that follows measured costs ends at other settings each time.
+OUTPUT_VARIES = re.compile(r"^plumb tune ")
 # What a test cannot run: the file or the preset must exist.
 NOT_RUN = (
     (r"^\./(compare|tests)/run\b", "this installs packages and builds; .ci/run runs it"),
@@ -51,7 +59,18 @@ TEMPLATES = {
 }
 # List commands that have run: their output does not depend on the page.
 LISTED = set()
+ABSENT = re.compile(rb"engine \S+ is absent|the program was not found|No module named 'pandas'")
 PLACEHOLDER = re.compile(r"\.\.\.|…|\b[A-Z]{2,}\b|mine\.so")
+
+
+class Command(str):
+    """A command as printed, its exit code if the page says it, and the lines printed below it."""
+
+    def __new__(cls, text):
+        command = super().__new__(cls, text)
+        command.code = None
+        command.output = []
+        return command
 
 
 def commands(text):
@@ -78,24 +97,52 @@ def commands(text):
         else:
             for span in re.findall(r"`(plumb [a-z-]+ [^-`][^`]*)`", lines[i]):
                 if not PLACEHOLDER.search(span):
-                    yield i + 1, "command", span
+                    yield i + 1, "command", Command(span)
         i += 1
 
 
 def commands_of_block(block, number, language):
+    found = []
     joined = ""
+    asked = False
     for offset, line in enumerate(block):
         if language == "console":
             if not line.startswith("$ "):
+                if asked:
+                    found[-1][2].code = int(line)
+                elif found:
+                    found[-1][2].output.append(line)
+                asked = False
                 continue
             line = line[2:]
+            asked = line == "echo $?"
+            if asked:
+                continue
         joined += line.rstrip("\\") if line.endswith("\\") else line
         if line.endswith("\\"):
             continue
         command = re.sub(r"\s+#\s.*$", "", joined).strip()
         joined = ""
         if command:
-            yield number + offset, "command", command
+            found.append((number + offset, "command", Command(command)))
+    return found
+
+
+def comparable(text):
+    """The text in words apart by one space each, every number and unit of time the same."""
+    return " ".join(re.sub(r"\d+(\.\d+)?(e[-+]?\d+)?( [nµm]?s\b)?", "0", text).split())
+
+
+def missing_output(command, printed):
+    """The first part between "..." of what a page shows that the command did not print; else None."""
+    rest = comparable(printed)
+    for part in re.split(r"^\.\.\.$", "\n".join(command.output), flags=re.MULTILINE):
+        wanted = comparable(part)
+        place = rest.find(wanted)
+        if place < 0:
+            return part.strip()
+        rest = rest[place + len(wanted):]
+    return None
 
 
 def prepared(command):
@@ -139,7 +186,7 @@ def run_page(page, source, build, environment):
         if program in ("parallel", "mpirun") and shutil.which(program) is None:
             print(f"{where}: not run, {program} is not installed")
             continue
-        command = prepared(what)
+        command = what if page in AS_PRINTED else prepared(what)
         if command in LISTED:
             continue
         if command.startswith("plumb list"):
@@ -147,17 +194,23 @@ def run_page(page, source, build, environment):
         begin = time.monotonic()
         done = subprocess.run(["bash", "-c", command], cwd=folder, env=environment, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, check=False)
-        absent = re.search(rb"engine \S+ is absent|the program was not found", done.stdout) if done.returncode != 0 else None
+        absent = ABSENT.search(done.stdout) if done.returncode != 0 else None
         if absent:
             print(f"{where}: not run, {absent.group().decode()}: {what}")
             continue
         count += 1
         print(f"{where}: {time.monotonic() - begin:.1f} s: {command}", flush=True)
         # A run whose outcome is not ok has worked: engines with their default settings do collapse.
-        if done.returncode not in ((0, 3) if command.startswith("plumb run") else (0,)):
+        expected = (what.code,) if what.code is not None else (0, 3) if command.startswith("plumb run") else (0,)
+        printed = done.stdout.decode(errors="replace")
+        if done.returncode not in expected:
             failures += 1
-            tail = done.stdout.decode(errors="replace")[-1500:]
-            print(f"{where}: exit {done.returncode} of: {command}\n{tail}")
+            print(f"{where}: exit {done.returncode} of: {command}\n{printed[-1500:]}")
+        elif command == what and not OUTPUT_VARIES.search(command):
+            missing = missing_output(what, printed)
+            if missing is not None:
+                failures += 1
+                print(f"{where}: the page shows\n{missing}\nbut this was printed:\n{printed[-4000:]}")
     shutil.rmtree(folder)
     return count, failures
 
@@ -167,8 +220,8 @@ def main():
     programs = tempfile.mkdtemp()
     os.symlink(plumb, os.path.join(programs, "plumb"))
     # Debug: what a page has cmake build need not be optimised.
-    environment = dict(os.environ, CMAKE_GENERATOR="Ninja", PATH=f"{programs}:{build}:{os.environ['PATH']}", NO_COLOR="1", SOURCE=source,
-                       BUILD=build, CMAKE_BUILD_TYPE="Debug", OMPI_ALLOW_RUN_AS_ROOT="1",
+    environment = dict(os.environ, CMAKE_GENERATOR="Ninja", PATH=f"{programs}:{build}:{os.environ['PATH']}", NO_COLOR="1",
+                       COLUMNS="120", BROWSER="true", SOURCE=source, BUILD=build, CMAKE_BUILD_TYPE="Debug", OMPI_ALLOW_RUN_AS_ROOT="1",
                        OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     total = failures = 0
     for page in pages:
