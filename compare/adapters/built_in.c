@@ -7,8 +7,58 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Where the build puts the scripts and, next to them, node_modules. */
-static const char FOLDER[] = PLUMB_WEB_FOLDER;
+enum { PATH_ROOM = 4096 };
+
+/* Finds the folder of what comes with the program: in the installation, or else that of the build, whose
+ * programs lie beside it. Returns whether it is an installation. */
+static bool find_own_folder(char folder[PATH_ROOM])
+{
+    static const char *const places[] = {PLUMB_LIBRARY_FOLDER, "lib/plumb"};
+    char program[PATH_ROOM / 2] = "", probe[PATH_ROOM + 32];
+    (void)!readlink("/proc/self/exe", program, sizeof program - 1);
+    char *slash = strrchr(program, '/');
+    if (slash != NULL) {
+        *slash = '\0';
+    }
+    bool is_installed = true;
+    for (size_t i = 0; i < sizeof places / sizeof *places; ++i) {
+        is_installed = i == 0;
+        snprintf(folder, PATH_ROOM, "%s/%s", program, places[i]);
+        snprintf(probe, sizeof probe, "%s/web/package.json", folder);
+        if (access(probe, R_OK) == 0) {
+            break;
+        }
+    }
+    return is_installed;
+}
+
+static bool has_module(const char *folder, const char *module)
+{
+    char path[PATH_ROOM + 256];
+    snprintf(path, sizeof path, "%s/node_modules/%s/package.json", folder, module);
+    return access(path, R_OK) == 0;
+}
+
+/* Finds the folder of the scripts that has the npm package of the engine next to them: the program's own, or
+ * the user's, where the script get-engines puts them. Returns whether one has it; else it is the program's. */
+static bool find_web_folder(const pl_built_in *built_in, char folder[PATH_ROOM])
+{
+    char own[PATH_ROOM];
+    find_own_folder(own);
+    const char *data = getenv("XDG_DATA_HOME"), *home = getenv("HOME");
+    if (data != NULL && data[0] != '\0') {
+        snprintf(folder, PATH_ROOM, "%s/plumb/web", data);
+    } else {
+        snprintf(folder, PATH_ROOM, "%s/.local/share/plumb/web", home == NULL ? "" : home);
+    }
+    const bool users = has_module(folder, built_in->module);
+    snprintf(own + strlen(own), sizeof own - strlen(own), "/web");
+    const bool owns = has_module(own, built_in->module);
+    if (owns || !users) {
+        snprintf(folder, PATH_ROOM, "%s", own);
+    }
+    return owns || users;
+}
 
 #define WEB(engine, script_with_arguments, npm_package)                                            \
     {                                                                                              \
@@ -18,6 +68,7 @@ static const char FOLDER[] = PLUMB_WEB_FOLDER;
 
 const pl_built_in *pl_built_in_engines(int *count)
 {
+    static char dart_module[PATH_ROOM + 16] = "";
     static const pl_built_in all[] = {
         {.name = "plumb", .package = "", .libraries = "", .entry = pl_engine_plumb},
         {.name = "ode",
@@ -41,7 +92,7 @@ const pl_built_in *pl_built_in_engines(int *count)
          .entry = pl_engine_mujoco
 #endif
         },
-        {.name = "dart", .package = "libdart-dev", .libraries = "", .path = PLUMB_DART_MODULE},
+        {.name = "dart", .package = "libdart-dev", .libraries = "", .path = dart_module},
         WEB("mujoco3", "mujoco3.mjs", "@mujoco/mujoco"),
         WEB("rapier", "rapier.mjs", "@dimforge/rapier3d-compat"),
         WEB("rapier-deterministic", "rapier.mjs deterministic",
@@ -52,6 +103,11 @@ const pl_built_in *pl_built_in_engines(int *count)
         WEB("cannon", "cannon.mjs", "cannon-es"),
     };
     _Static_assert(sizeof all / sizeof *all <= PL_MOST_BUILT_IN, "PL_MOST_BUILT_IN is too small");
+    if (dart_module[0] == '\0') {
+        char folder[PATH_ROOM];
+        find_own_folder(folder);
+        snprintf(dart_module, sizeof dart_module, "%s/dart.so", folder);
+    }
     *count = (int)(sizeof all / sizeof *all);
     return all;
 }
@@ -74,15 +130,14 @@ static bool has_program(const char *name)
 
 bool pl_built_in_is_present(const pl_built_in *built_in)
 {
-    char path[4096];
+    char path[PATH_ROOM];
     if (built_in->path != NULL) {
         return access(built_in->path, R_OK) == 0;
     }
     if (built_in->script == NULL) {
         return built_in->entry != NULL;
     }
-    snprintf(path, sizeof path, "%s/node_modules/%s/package.json", FOLDER, built_in->module);
-    return access(path, R_OK) == 0 && has_program("node");
+    return find_web_folder(built_in, path) && has_program("node");
 }
 
 bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size)
@@ -90,10 +145,11 @@ bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size
     if (built_in->script == NULL) {
         return false;
     }
-    char path[4096];
+    char path[PATH_ROOM];
     pl_text_buffer text = {0};
     const int length = (int)strcspn(built_in->script, " ");
-    snprintf(path, sizeof path, "%s/%.*s", FOLDER, length, built_in->script);
+    find_web_folder(built_in, path);
+    snprintf(path + strlen(path), sizeof path - strlen(path), "/%.*s", length, built_in->script);
     pl_text_add(&text, "node ");
     pl_text_add_shell(&text, path);
     pl_text_add(&text, built_in->script + length);
@@ -101,4 +157,18 @@ bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size
     snprintf(command, size, "%s", is_written ? text.data : "");
     pl_text_free(&text);
     return is_written;
+}
+
+void pl_built_in_how_to_get(const pl_built_in *built_in, char *text, size_t size)
+{
+    char folder[PATH_ROOM];
+    if (!find_own_folder(folder)) {
+        snprintf(text, size, "./compare/run --with %s", built_in->name);
+    } else if (built_in->script != NULL) {
+        snprintf(text, size, "%s/web/get-engines", folder);
+    } else if (built_in->path != NULL) {
+        snprintf(text, size, "apt-get install plumb-%s", built_in->name);
+    } else {
+        snprintf(text, size, "a build with %s", built_in->package);
+    }
 }

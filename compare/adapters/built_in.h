@@ -24,7 +24,7 @@ typedef struct pl_built_in {
     const char *libraries; /* base names of its shared libraries begin with one of these, separated
                               by blanks; "": it has none */
     pl_engine_entry entry; /* NULL: absent from this build, or not linked */
-    const char *path;      /* of the shared object; NULL: it is none. "": absent from this build */
+    const char *path;      /* of the shared object, which may be absent; NULL: it is none */
     const char *script; /* of adapters/web, with arguments, which node runs; NULL: it is linked */
     const char *module; /* the npm package that the script needs */
 } pl_built_in;
@@ -36,6 +36,11 @@ bool pl_built_in_is_present(const pl_built_in *built_in);
 /* The command that runs an engine that is a program, in `command` of that size; false: it is linked, or
  * memory is out. */
 bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size);
+
+enum { PL_HOW_TO_GET = 4200 };
+
+/* Writes what gets an absent engine: for the installed program, or for the one in its build. */
+void pl_built_in_how_to_get(const pl_built_in *built_in, char *text, size_t size);
 
 /* More than there are. */
 enum { PL_MOST_BUILT_IN = 24 };

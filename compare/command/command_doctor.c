@@ -43,10 +43,11 @@ static pl_status add_engine(const pl_built_in *built_in, pl_table *table, bool *
     const pl_engine_info *engine = NULL;
     pl_table_add(table, built_in->name);
     if (!pl_built_in_is_present(built_in)) {
-        snprintf(text, sizeof text, "./compare/run --with %s", built_in->name);
+        char how[PL_HOW_TO_GET];
+        pl_built_in_how_to_get(built_in, how, sizeof how);
         pl_table_add(table, "absent");
         pl_table_add(table, "");
-        pl_table_add(table, text);
+        pl_table_add(table, how);
         return PL_OK;
     }
     const pl_status status = pl_engine_of_build(built_in, &engine, error);

@@ -172,6 +172,10 @@ pl_status pl_engine_list(const char *const *asked, int asked_count, json_t **lis
         json_array_append_new(*list, item);
         if (pl_built_in_is_present(&engines[i])) {
             status = pl_engine_of_build(&engines[i], &e, error);
+        } else {
+            char how[PL_HOW_TO_GET];
+            pl_built_in_how_to_get(&engines[i], how, sizeof how);
+            json_object_set_new(item, "get", json_string(how));
         }
         if (e != NULL) {
             status = describe_engine(item, e, error);
@@ -337,7 +341,7 @@ void pl_engine_list_print(const json_t *item, FILE *out)
     size_t index;
     json_t *part;
     if (!json_is_true(json_object_get(item, "present"))) {
-        fprintf(out, "%-10s absent: ./compare/run --with %s gets it\n", name, name);
+        fprintf(out, "%-10s absent: %s gets it\n", name, pl_json_get_text(item, "get"));
         return;
     }
     if (json_object_get(item, "fault") != NULL) {

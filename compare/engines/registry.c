@@ -111,9 +111,10 @@ pl_status pl_engine_of_build(const pl_built_in *built_in, const pl_engine_info *
     char command[4200];
     const bool is_script = pl_built_in_command(built_in, command, sizeof command);
     if (!pl_built_in_is_present(built_in)) {
-        return pl_fail(
-            error, PL_UNSUPPORTED, "engine %s is absent: ./compare/run --with %s gets it (%s %s)",
-            built_in->name, built_in->name, is_script ? "npm" : "Debian", built_in->package);
+        char how[PL_HOW_TO_GET];
+        pl_built_in_how_to_get(built_in, how, sizeof how);
+        return pl_fail(error, PL_UNSUPPORTED, "engine %s is absent: %s gets it (%s %s)",
+                       built_in->name, how, is_script ? "npm" : "Debian", built_in->package);
     }
     return pl_engine_describe(built_in->path, is_script ? command : NULL, built_in, info, error);
 }

@@ -47,7 +47,7 @@ END
 fi
 
 # The programs about an engine need its package alone.
-packages=$(dirname "$PLUMB")/compare/web/node_modules
+packages=$(dirname "$PLUMB")/lib/plumb/web/node_modules
 if [[ -d $packages ]]; then
     ln -s "$packages" node_modules
     cp "$SOURCE"/compare/adapters/web/behaviour/*.mjs .

@@ -30,15 +30,29 @@ int main(void)
     return 1;
 }
 C
-python3 - "$folder" >folder.h <<'END_PYTHON'
-import json, sys
-print("#define PLUMB_WEB_FOLDER", json.dumps(sys.argv[1]))
-END_PYTHON
-"${CC:-cc}" -std=c17 -D_GNU_SOURCE -DPLUMB_DART_MODULE='""' -include folder.h -I"$SOURCE/compare" -I"$SOURCE/compare/include" \
-    -I"$SOURCE/scenarios" -I"$SOURCE/scenarios/include" -o main main.c "$SOURCE/compare/adapters/built_in.c" \
-    "$SOURCE"/scenarios/base/*.c -ljansson -lm
+# Prints what node gets from the command that the program in this folder makes.
+node_gets() {
+    (cd "$1" && PATH="$directory/bin:$PATH" sh -c "exec $(./main)" 2>&1) || true
+}
+"${CC:-cc}" -std=c17 -D_GNU_SOURCE -DPLUMB_LIBRARY_FOLDER='"../lib/plumb"' -I"$SOURCE/compare" \
+    -I"$SOURCE/compare/include" -I"$SOURCE/scenarios" -I"$SOURCE/scenarios/include" -o "$folder/main" main.c \
+    "$SOURCE/compare/adapters/built_in.c" "$SOURCE"/scenarios/base/*.c -ljansson -lm
 printf '#!/bin/sh\nprintf "%%s|" "$@"\n' >bin/node
 chmod +x bin/node
-found=$(PATH="$directory/bin:$PATH" sh -c "exec $(./main)" 2>&1) || true
-[[ $found == "$folder/rapier.mjs|deterministic|" ]] || note_failure "node gets: $found"
+export XDG_DATA_HOME=$directory/data
+found=$(node_gets "$folder")
+[[ $found == "$folder/lib/plumb/web/rapier.mjs|deterministic|" ]] || note_failure "node gets: $found"
+# The user's packages count where the program has none.
+module=plumb/web/node_modules/@dimforge/rapier3d-deterministic-compat
+mkdir -p "$XDG_DATA_HOME/$module"
+touch "$XDG_DATA_HOME/$module/package.json"
+found=$(node_gets "$folder")
+[[ $found == "$XDG_DATA_HOME/plumb/web/rapier.mjs|deterministic|" ]] || note_failure "of the user, node gets: $found"
+# An installed program has its folder of libraries beside its own.
+mkdir -p usr/bin usr/lib/plumb/web
+cp "$folder/main" usr/bin
+touch usr/lib/plumb/web/package.json
+unset XDG_DATA_HOME
+found=$(HOME=$directory/nobody node_gets usr/bin)
+[[ $found == "$directory/usr/bin/../lib/plumb/web/rapier.mjs|deterministic|" ]] || note_failure "installed, node gets: $found"
 exit $failed
