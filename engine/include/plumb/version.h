@@ -1,6 +1,6 @@
-/* The version of Plumb. It is stated here alone: the build, the packages and the program take it from
- * here. The three numbers are those of Semantic Versioning; until 1.0.0, a new MINOR may change the
- * interface of the engine, and a new PATCH does not. */
+/* The version of Plumb, by Semantic Versioning. It is stated here alone: the build, the packages and
+ * the program take it from here. A program runs with the shared library of any later version that has
+ * the same soname, libplumb.so.0. */
 #ifndef PLUMB_VERSION_H
 #define PLUMB_VERSION_H
 

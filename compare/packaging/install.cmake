@@ -1,0 +1,31 @@
+# Installs the program with what it loads, completion, manual, documentation and examples, and the headers of
+# the engine ABI. The engine installs itself (engine/cmake/install.cmake).
+set(documentation ${CMAKE_INSTALL_DATADIR}/doc)
+
+install(TARGETS plumb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT plumb)
+install(DIRECTORY compare/adapters/web DESTINATION ${CMAKE_INSTALL_LIBDIR}/plumb COMPONENT plumb
+  USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.mjs" PATTERN "*.json" PATTERN get-engines PATTERN behaviour EXCLUDE)
+if(PLUMB_HAVE_DART)
+  install(TARGETS plumb_dart LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/plumb COMPONENT plumb-dart)
+endif()
+
+# Pages lie as in the source, so that the links between them work.
+file(GLOB_RECURSE pages RELATIVE ${PROJECT_SOURCE_DIR} engine/*.md scenarios/*.md compare/*.md compare/report/*.png)
+list(FILTER pages EXCLUDE REGEX "^compare/(template/|state_notes)")
+foreach(page README.md CHANGELOG.md ${pages})
+  get_filename_component(folder ${page} DIRECTORY)
+  install(FILES ${page} DESTINATION ${documentation}/plumb/${folder} COMPONENT plumb)
+endforeach()
+
+install(TARGETS plumb_engine_abi EXPORT plumb)
+install(FILES compare/include/plumb/engine_abi.h compare/include/plumb/adapter_helpers.h
+  scenarios/include/plumb/scene_data.h scenarios/include/plumb/status.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/plumb COMPONENT libplumb-dev)
+file(RELATIVE_PATH PLUMB_PC_PREFIX ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+configure_file(compare/packaging/plumb-engine-abi.pc.in plumb-engine-abi.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/plumb-engine-abi.pc
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT libplumb-dev)
+install(DIRECTORY engine/examples/ DESTINATION ${documentation}/libplumb-dev/examples/engine COMPONENT libplumb-dev)
+install(FILES compare/template/CMakeLists.txt compare/template/engine.c compare/template/sphere_world.c
+  compare/template/sphere_world.h
+  DESTINATION ${documentation}/libplumb-dev/examples/adapter COMPONENT libplumb-dev)
