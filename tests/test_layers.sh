@@ -126,6 +126,13 @@ only 'ccd/' compare/referee/geometry/gap_convex.c
 only 'nlopt' compare/studies/tune/tune_search.c
 only 'argp' compare/command
 
+# Build files list their sources: a file that none of them names would never be compiled.
+mapfile -t built < <(find engine scenarios compare -name CMakeLists.txt)
+while read -r file; do
+    grep -qF -e "${file#*/}" -e "${file#compare/adapters/}" -e "/${file##*/}" -e " ${file##*/}" "${built[@]}" ||
+        fail "$file is in no CMakeLists.txt"
+done < <(find engine scenarios compare -name '*.c' -o -name '*.cpp')
+
 # Calls: from each object to the object that defines what it takes. They obey the table, and no files call
 # each other in a ring (tsort finds rings).
 edges=$BUILD/layers_edges.txt

@@ -16,6 +16,8 @@ foreach(page README.md CHANGELOG.md ${pages})
   get_filename_component(folder ${page} DIRECTORY)
   install(FILES ${page} DESTINATION ${documentation}/plumb/${folder} COMPONENT plumb)
 endforeach()
+install(DIRECTORY compare/examples DESTINATION ${documentation}/plumb/compare COMPONENT plumb
+  PATTERN README.md EXCLUDE)
 
 install(TARGETS plumb_engine_abi EXPORT plumb)
 install(FILES compare/include/plumb/engine_abi.h compare/include/plumb/adapter_helpers.h
