@@ -1,5 +1,5 @@
 # Sets PLUMB_VERSION to what include/plumb/version.h states.
 set(PLUMB_VERSION_FILE ${CMAKE_CURRENT_LIST_DIR}/../include/plumb/version.h)
 file(STRINGS ${PLUMB_VERSION_FILE} PLUMB_VERSION REGEX "^#define PLUMB_VERSION \"")
-string(REGEX REPLACE ".*\"(.*)\"" "\\1" PLUMB_VERSION "${PLUMB_VERSION}")
+string(REGEX REPLACE ".*\"(.*)\".*" "\\1" PLUMB_VERSION "${PLUMB_VERSION}")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PLUMB_VERSION_FILE})

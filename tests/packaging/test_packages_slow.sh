@@ -27,7 +27,7 @@ gives 'plumb:default .* accurate' plumb compare tower --engine plumb --out repor
 [[ -s report/index.html ]] || note_failure "no report/index.html"
 [[ $(ls packages) != *plumb-dart* ]] || gives '^dart  *[0-9]' plumb doctor
 gives 'absent: .*/plumb/web/get-engines gets it|^jolt ' plumb list engines
-[[ $(plumb --version) == "plumb $(sed -n 's/^#define PLUMB_VERSION "\(.*\)"/\1/p' "$SOURCE/engine/include/plumb/version.h") "* ]] ||
+[[ $(plumb --version) == "plumb $(sed -n 's/^#define PLUMB_VERSION "\(.*\)".*/\1/p' "$SOURCE/engine/include/plumb/version.h") "* ]] ||
     note_failure "$(plumb --version) is not the version of version.h"
 ! grep -qaF "$SOURCE" "$usr/bin/plumb" || note_failure "plumb contains the path of its source"
 

@@ -4,12 +4,15 @@
 #ifndef PLUMB_VERSION_H
 #define PLUMB_VERSION_H
 
+/* MAJOR.MINOR.PATCH */
 #define PLUMB_VERSION "0.2.0"
-
-/* For comparisons by the preprocessor: #if PLUMB_VERSION_NUMBER >= 200 */
+/* Grows when programs must be changed. */
 #define PLUMB_VERSION_MAJOR 0
+/* Grows when functions are added. */
 #define PLUMB_VERSION_MINOR 2
+/* Grows with corrections. */
 #define PLUMB_VERSION_PATCH 0
+/* For comparisons by the preprocessor, as in #if PLUMB_VERSION_NUMBER >= 200 */
 #define PLUMB_VERSION_NUMBER                                                                       \
     (10000 * PLUMB_VERSION_MAJOR + 100 * PLUMB_VERSION_MINOR + PLUMB_VERSION_PATCH)
 
