@@ -9,6 +9,12 @@ if(PLUMB_HAVE_DART)
   install(TARGETS plumb_dart LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/plumb COMPONENT plumb-dart)
 endif()
 
+install(FILES compare/completion/plumb.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+  RENAME plumb COMPONENT plumb)
+install(FILES compare/completion/_plumb DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT plumb)
+install(FILES compare/completion/plumb.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT plumb)
+install(FILES ${PROJECT_BINARY_DIR}/compare/plumb.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT plumb)
+
 # Pages lie as in the source, so that the links between them work.
 file(GLOB_RECURSE pages RELATIVE ${PROJECT_SOURCE_DIR} engine/*.md scenarios/*.md compare/*.md compare/report/*.png)
 list(FILTER pages EXCLUDE REGEX "^compare/(template/|state_notes)")
