@@ -40,6 +40,9 @@ static const entry ENVIRONMENT[] = {
     {"XDG_CACHE_HOME, HOME",
      "Where PLUMB_CACHE is not set: the folder is plumb in XDG_CACHE_HOME, or else .cache/plumb in "
      "HOME"},
+    {"XDG_DATA_HOME, HOME", "Engines from npm may be in plumb/web of XDG_DATA_HOME, or else of "
+                            ".local/share in HOME, where "
+                            "the script get-engines puts them"},
     {"BROWSER", "The program that opens pages; by default xdg-open"},
     {"CHROMIUM", "The Chromium that draws plumb report --figure; by default chromium"},
     {"PATH", "Where node is looked up, which runs engines from npm"},
