@@ -112,11 +112,13 @@ const pl_built_in *pl_built_in_engines(int *count)
     return all;
 }
 
-/* Whether a shell finds the program. */
-static bool has_program(const char *name)
+bool pl_has_program(const char *name)
 {
     char file[4096];
     const char *folders = getenv("PATH");
+    if (strchr(name, '/') != NULL) {
+        return access(name, X_OK) == 0;
+    }
     while (folders != NULL && *folders != '\0') {
         const size_t length = strcspn(folders, ":");
         snprintf(file, sizeof file, "%.*s/%s", (int)length, folders, name);
@@ -137,7 +139,7 @@ bool pl_built_in_is_present(const pl_built_in *built_in)
     if (built_in->script == NULL) {
         return built_in->entry != NULL;
     }
-    return find_web_folder(built_in, path) && has_program("node");
+    return find_web_folder(built_in, path) && pl_has_program("node");
 }
 
 bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size)

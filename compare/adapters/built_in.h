@@ -33,6 +33,9 @@ typedef struct pl_built_in {
  * package are installed. */
 bool pl_built_in_is_present(const pl_built_in *built_in);
 
+/* Whether a shell finds the program of that name or path. */
+bool pl_has_program(const char *name);
+
 /* The command that runs an engine that is a program, in `command` of that size; false: it is linked, or
  * memory is out. */
 bool pl_built_in_command(const pl_built_in *built_in, char *command, size_t size);

@@ -1,15 +1,20 @@
-/* plumb doctor: which engines and tools are here, and how to get the others. */
+/* plumb doctor: which engines and tools are here and how to get the others, and how well times
+ * repeat. All is found as one JSON object, which is printed as it is or as text. */
 #include "adapters/built_in.h"
 #include "base/folding.h"
+#include "base/json_field.h"
 #include "base/table.h"
 #include "engines/registry.h"
+#include "machine.h"
 #include "request.h"
 #include "results/conformance_record.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct options {
     pl_request request;
+    bool json;
 } options;
 
 /* What is known of the conformance of the profiles that an engine proposes: the worst of them. */
@@ -36,65 +41,163 @@ static void describe_conformance(const pl_engine_info *engine, char *text, size_
     }
 }
 
-static pl_status add_engine(const pl_built_in *built_in, pl_table *table, bool *faulty,
+/* What is known of an engine, added to the array. */
+static pl_status add_engine(const pl_built_in *built_in, json_t *list, bool *faulty,
                             pl_error *error)
 {
     char text[PL_NAME_SIZE + 64];
     const pl_engine_info *engine = NULL;
-    pl_table_add(table, built_in->name);
     if (!pl_built_in_is_present(built_in)) {
         char how[PL_HOW_TO_GET];
         pl_built_in_how_to_get(built_in, how, sizeof how);
-        pl_table_add(table, "absent");
-        pl_table_add(table, "");
-        pl_table_add(table, how);
+        json_array_append_new(
+            list, json_pack("{s:s, s:b, s:s}", "name", built_in->name, "present", 0, "get", how));
         return PL_OK;
     }
     const pl_status status = pl_engine_of_build(built_in, &engine, error);
     if (status != PL_OK) {
         return status;
     }
-    const bool has_fault = engine->fault.is_fault;
-    *faulty = *faulty || has_fault;
-    pl_table_add(table, has_fault ? "fault" : engine->version);
-    pl_table_add(table, pl_engine_runtime(engine));
+    const char *fault = engine->fault.reason;
+    *faulty = *faulty || engine->fault.is_fault;
     describe_conformance(engine, text, sizeof text);
-    pl_table_add(table, has_fault ? engine->fault.reason : text);
+    json_array_append_new(list, engine->fault.is_fault
+                                    ? json_pack("{s:s, s:b, s:s, s:o}", "name", built_in->name,
+                                                "present", 1, "runtime", pl_engine_runtime(engine),
+                                                "fault", pl_json_text(fault, strlen(fault)))
+                                    : json_pack("{s:s, s:b, s:s, s:s, s:s}", "name", built_in->name,
+                                                "present", 1, "runtime", pl_engine_runtime(engine),
+                                                "version", engine->version, "conformance", text));
     return PL_OK;
+}
+
+/* Programs that some commands call. */
+static json_t *list_tools(void)
+{
+    static const struct {
+        const char *name, *variable, *use, *get;
+    } tools[] = {{"chromium", "CHROMIUM", "plumb report --figure",
+                  "Debian package chromium, or set CHROMIUM"},
+                 {"xdg-open", "BROWSER", "plumb view", "Debian package xdg-utils, or set BROWSER"},
+                 {"node", NULL, "engines from npm", "Debian package nodejs"},
+                 {"npm", NULL, "gets these, and the page's replay", "Debian package npm"},
+                 {"parallel", NULL, "shards of plumb sweep", "Debian package parallel"}};
+    json_t *list = json_array();
+    for (size_t i = 0; i < sizeof tools / sizeof tools[0]; ++i) {
+        const char *set = tools[i].variable == NULL ? NULL : getenv(tools[i].variable);
+        const char *program = set != NULL && set[0] != '\0' ? set : tools[i].name;
+        json_array_append_new(list, json_pack("{s:s, s:o, s:b, s:s, s:s}", "name", tools[i].name,
+                                              "program", pl_json_text(program, strlen(program)),
+                                              "present", (int)pl_has_program(program), "use",
+                                              tools[i].use, "get", tools[i].get));
+    }
+    return list;
+}
+
+static void print_engines(const json_t *engines)
+{
+    pl_table table = {0};
+    size_t index;
+    const json_t *engine;
+    pl_table_columns(&table, "engine|version|runs as|conformance, or how to get it");
+    json_array_foreach(engines, index, engine)
+    {
+        const bool is_present = json_is_true(json_object_get(engine, "present"));
+        const bool has_fault = json_object_get(engine, "fault") != NULL;
+        pl_table_add(&table, pl_json_get_text(engine, "name"));
+        pl_table_add(&table, !is_present ? "absent"
+                             : has_fault ? "fault"
+                                         : pl_json_get_text(engine, "version"));
+        pl_table_add(&table, pl_json_get_text(engine, "runtime"));
+        pl_table_add(&table, pl_json_get_text(engine, !is_present ? "get"
+                                                      : has_fault ? "fault"
+                                                                  : "conformance"));
+    }
+    pl_table_print(&table, stdout);
+    pl_table_free(&table);
+}
+
+static void print_tools(const json_t *tools)
+{
+    pl_table table = {0};
+    size_t index;
+    const json_t *tool;
+    pl_table_columns(&table, "tool|needed for|found, or how to get it");
+    json_array_foreach(tools, index, tool)
+    {
+        const bool is_present = json_is_true(json_object_get(tool, "present"));
+        pl_table_add(&table, pl_json_get_text(tool, "name"));
+        pl_table_add(&table, pl_json_get_text(tool, "use"));
+        pl_table_format_cell(&table, "%s%s", is_present ? "" : "absent: ",
+                             pl_json_get_text(tool, is_present ? "program" : "get"));
+    }
+    pl_table_print(&table, stdout);
+    pl_table_free(&table);
+}
+
+static void print_findings(const json_t *found)
+{
+    const json_t *plumb = json_object_get(found, "plumb");
+    pl_print_line(stdout, "Plumb %s (%s)", pl_json_get_text(plumb, "version"),
+                  pl_json_get_text(plumb, "git"));
+    putchar('\n');
+    print_engines(json_object_get(found, "engines"));
+    putchar('\n');
+    pl_machine_print(json_object_get(found, "host"), json_object_get(found, "machine"), stdout);
+    putchar('\n');
+    print_tools(json_object_get(found, "tools"));
 }
 
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
     pl_error error = {.message = ""};
-    pl_table table = {0};
-    pl_status status = PL_OK;
     int count;
     bool faulty = false;
     const pl_built_in *known = pl_built_in_engines(&count);
     pl_call_parse(call, &o);
-    pl_table_columns(&table, "engine|version|runs as|conformance, or how to get it");
-    for (int i = 0; i < count && status == PL_OK; ++i) {
-        status = add_engine(&known[i], &table, &faulty, &error);
-    }
-    if (status == PL_OK) {
-        pl_table_print(&table, stdout);
-    }
-    pl_table_free(&table);
     pl_request_free(&o.request);
+    json_t *engines = json_array(), *found = pl_call_provenance(call, &error);
+    pl_status status = found == NULL ? PL_NO_MEMORY : PL_OK;
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        status = add_engine(&known[i], engines, &faulty, &error);
+    }
+    if (status == PL_OK && (json_object_set(found, "engines", engines) != 0 ||
+                            json_object_set_new(found, "machine", pl_machine()) != 0 ||
+                            json_object_set_new(found, "tools", list_tools()) != 0)) {
+        status = pl_fail(&error, PL_NO_MEMORY, "out of memory");
+    }
+    if (status == PL_OK && o.json) {
+        json_dumpf(found, stdout, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
+        putchar('\n');
+    } else if (status == PL_OK) {
+        print_findings(found);
+    }
+    json_decref(engines);
+    json_decref(found);
     return pl_call_end(call, status, &error, 0, faulty ? PL_EXIT_FAILED : PL_EXIT_OK);
 }
 
+static const pl_option OPTIONS[] = {{"json", NULL, "Print a JSON object with all that was found",
+                                     PL_OPTION_FLAG, .field = offsetof(options, json),
+                                     .letter = 'j'},
+                                    {0}};
+
 const pl_command pl_command_doctor = {
     .name = "doctor",
-    .summary = "say which engines are here, and how to get the others",
+    .summary = "say what is here: engines, tools, and how well times repeat",
     .arguments = "",
-    .description = "Lists every engine that Plumb has an adapter for: its version, what runs its "
-                   "code, whether "
-                   "plumb check-engine has verified this binary of it, and how to get one that is "
-                   "absent. Exits "
-                   "with 3 when an engine that is here could not be asked.",
+    .description =
+        "Lists every engine that Plumb has an adapter for: its version, what runs its code, "
+        "whether plumb check-engine has verified this binary of it, and how to get one that is "
+        "absent. Then what times depend on: the processor and which of its instructions Plumb's "
+        "engine uses, the CPUs that this process may use, their frequency, the resolution and the "
+        "noise of the clock that times steps, which is measured for 0.2 s, the load and the "
+        "memory. Then the programs that some commands need. Exits with 3 when an engine that is "
+        "here could not be asked.",
     .notes = "Examples:\n"
              "  plumb doctor\n"
+             "  plumb doctor --json\n"
              "  ./compare/run --with rapier,jolt",
+    .options = OPTIONS,
     .run = run};

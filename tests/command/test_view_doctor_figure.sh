@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# plumb view and --open call the browser, plumb doctor lists every engine, and plumb report --figure takes the
+# plumb view and --open call the browser, plumb doctor describes engines, machine and tools, and plumb report --figure takes the
 # picture that Chromium draws; programs of the test stand for both.
 # shellcheck source=tests/support/command.sh
 source "$SOURCE/tests/support/command.sh"
@@ -44,6 +44,39 @@ grep -qE '^plumb +[0-9.]+ +native +not verified: plumb check-engine plumb' out |
 for engine in ode bullet mujoco dart rapier; do
     grep -qE "^$engine +([0-9.]+ +native|[0-9.]+ +[a-z]+|absent|fault)" out || note_failure "doctor: $engine: $(cat out)"
 done
+[[ $(head -n 1 out) == P$("$PLUMB" --version | tail -c +2) ]] || note_failure "doctor: no version: $(cat out)"
+[[ $(grep -cE '^(processor|CPUs|kernels|frequency|clock of steps|noise|load|memory|chromium|xdg-open|node|npm|parallel) ' out) == 13 ]] ||
+    note_failure "doctor: something of the machine or the tools is missing: $(cat out)"
+COLUMNS=80 LC_ALL=C.UTF-8 "$PLUMB" doctor | LC_ALL=C.UTF-8 awk 'length > 80' >wide
+[[ ! -s wide ]] || note_failure "doctor: lines are wider than 80 columns: $(cat wide)"
+
+# plumb doctor --json agrees with what the system says; one CPU, a limit, and no tools but one.
+mkdir empty
+cpu=$(taskset -pc $$ | sed -E 's/.*: ([0-9]+).*/\1/')
+limit=4000000 # KiB; a sanitizer allows none
+grep -qE '__(asan|msan|tsan)_init' "$PLUMB" && limit=unlimited
+(
+    ulimit -S -d $limit
+    PLUMB_CACHE=$PWD/cache taskset -c "$cpu" env PATH="$PWD/empty" "$PLUMB" doctor --json >machine.json
+) || [[ $? == 3 ]] || note_failure 'doctor --json fails'
+python3 - $limit <<'END' || note_failure "doctor --json: $(cat machine.json)"
+import json
+import sys
+found = json.load(open("machine.json"))
+machine, timer = found["machine"], found["machine"]["timer"]
+flags = [line.split() for line in open("/proc/cpuinfo") if line.startswith("flags")]
+features = [name for name in ("avx2", "avx512f") if flags and name in flags[0]]
+assert machine["features"] == features, features
+assert machine["kernel_lanes"] == (8 if "avx512f" in features else 4 if "avx2" in features else 1)
+assert found["host"]["cpus"] == 1
+assert sys.argv[1] == "unlimited" or machine["memory"]["limit"] <= 1024 * int(sys.argv[1])
+assert machine["memory"]["available"] <= machine["memory"]["total"]
+assert timer["repeats"] >= 1 and timer["spread"] >= 0 and timer["slow"] >= 1 and timer["step"] > timer["empty"]
+assert {tool["name"] for tool in found["tools"] if tool["present"]} == {"chromium", "xdg-open"}
+assert found["engines"][0]["name"] == "plumb" and found["engines"][0]["version"]
+assert all("version" in e or "fault" in e for e in found["engines"] if e["present"])
+assert all(e["get"] for e in found["engines"] if not e["present"])
+END
 
 figure() { expect "$1" "$2" report a --figure "${@:3}"; }
 figure 0 'the picture is in b/free-fall.svg' free-fall --out b

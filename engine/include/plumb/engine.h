@@ -428,6 +428,10 @@ typedef struct pe_contact {
  * never decreases. `contacts` may be NULL when the capacity is 0. */
 int pe_world_get_contacts(const pe_world *world, pe_contact *contacts, int capacity);
 
+/* The largest number of manifolds that the solver's kernels take at once on this processor: 8 by
+ * AVX-512, 4 by AVX2, or 1. The bits are the same for any. */
+int pe_kernel_lanes(void);
+
 #ifdef __cplusplus
 }
 #endif

@@ -3,6 +3,8 @@
 #include "soft_kernel.h"
 #include "sweep_kernel.h"
 
+#include "plumb/engine.h"
+
 const pe_kernels pe_kernels_1 = {1, &SOFT_KERNEL, &SWEEP_KERNEL};
 
 const pe_kernels *pe_kernels_for(int lanes)
@@ -18,4 +20,9 @@ const pe_kernels *pe_kernels_for(int lanes)
     (void)lanes;
 #endif
     return &pe_kernels_1;
+}
+
+int pe_kernel_lanes(void)
+{
+    return pe_kernels_for(0)->lanes;
 }

@@ -1,0 +1,273 @@
+#include "machine.h"
+
+#include "base/json_field.h"
+#include "base/table.h"
+#include "clock_noise.h"
+#include "plumb/engine.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+static const double GIB = 0x1p30;
+
+/* The number of a file that has nothing else; NAN where it cannot be read or has a word, such as "max". */
+static double read_number(const char *path)
+{
+    double number = NAN;
+    FILE *file = fopen(path, "re");
+    if (file == NULL || fscanf(file, "%lf", &number) != 1) {
+        number = NAN;
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return number;
+}
+
+static json_t *number_or_null(double number)
+{
+    return isfinite(number) ? json_real(number) : NULL;
+}
+
+/* ---- Processor ---- */
+
+static json_t *list_features(void)
+{
+    json_t *list = json_array();
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) {
+        json_array_append_new(list, json_string("avx2"));
+    }
+    if (__builtin_cpu_supports("avx512f")) {
+        json_array_append_new(list, json_string("avx512f"));
+    }
+#endif
+    return list;
+}
+
+/* How the first CPU chooses its frequency; NULL: that cannot be read. */
+static json_t *governor(void)
+{
+    char word[64] = "";
+    FILE *file = fopen("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "re");
+    const bool is_read = file != NULL && fscanf(file, "%63s", word) == 1;
+    if (file != NULL) {
+        fclose(file);
+    }
+    return is_read ? pl_json_text(word, strlen(word)) : NULL;
+}
+
+/* Whether the processor may exceed its nominal frequency; NULL: that cannot be read. */
+static json_t *turbo(void)
+{
+    const double boost = read_number("/sys/devices/system/cpu/cpufreq/boost");
+    const double none = read_number("/sys/devices/system/cpu/intel_pstate/no_turbo");
+    return isfinite(boost) || isfinite(none) ? json_boolean(isfinite(boost) ? boost > 0 : none == 0)
+                                             : NULL;
+}
+
+/* ---- Memory ---- */
+
+/* A line of /proc/meminfo, bytes; NAN: there is none. */
+static double memory_of(const char *key)
+{
+    char line[256];
+    double kib = NAN;
+    FILE *file = fopen("/proc/meminfo", "re");
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        if (strncmp(line, key, strlen(key)) == 0) {
+            kib = strtod(line + strlen(key), NULL);
+        }
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return 1024 * kib;
+}
+
+/* The least limit of a control group and of those around it, bytes; INFINITY: none. */
+static double group_limit(const char *root, const char *name, const char *file)
+{
+    char path[2048];
+    double least = INFINITY;
+    size_t length = strcspn(name, "\n");
+    for (;;) {
+        while (length > 0 && name[length - 1] == '/') {
+            --length;
+        }
+        snprintf(path, sizeof path, "%s%.*s/%s", root, (int)length, name, file);
+        least = fmin(least, read_number(path));
+        if (length == 0) {
+            return least;
+        }
+        while (length > 0 && name[length - 1] != '/') {
+            --length;
+        }
+    }
+}
+
+static double limit_of(int resource)
+{
+    struct rlimit limit;
+    return getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY
+               ? (double)INFINITY
+               : (double)limit.rlim_cur;
+}
+
+/* What this process may have, bytes, by its control groups (versions 1 and 2) and ulimit(1); NAN
+ * where that is no less than the machine has. */
+static double memory_limit(double total)
+{
+    char line[1024];
+    double least = fmin(limit_of(RLIMIT_AS), limit_of(RLIMIT_DATA));
+    FILE *file = fopen("/proc/self/cgroup", "re");
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        const char *memory = strstr(line, ":memory:");
+        if (strncmp(line, "0::", 3) == 0) {
+            least = fmin(least, group_limit("/sys/fs/cgroup", line + 3, "memory.max"));
+        } else if (memory != NULL) {
+            least = fmin(least,
+                         group_limit("/sys/fs/cgroup/memory", memory + 8, "memory.limit_in_bytes"));
+        }
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return least < total ? least : (double)NAN;
+}
+
+/* ---- All of it ---- */
+
+static json_t *timer_json(void)
+{
+    const pl_clock_noise noise = pl_clock_noise_measure();
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:i}", "resolution", noise.resolution, "empty",
+                     noise.empty, "step", noise.step, "spread", noise.spread, "slow", noise.slow,
+                     "repeats", noise.repeats);
+}
+
+json_t *pl_machine(void)
+{
+    double loads[3] = {NAN, NAN, NAN};
+    const double total = memory_of("MemTotal:");
+    (void)!getloadavg(loads, 3);
+    return json_pack("{s:o, s:i, s:o*, s:o*, s:o*, s:o*, s:{s:o*, s:o*, s:o*}, s:o}", "features",
+                     list_features(), "kernel_lanes", pe_kernel_lanes(), "governor", governor(),
+                     "turbo", turbo(), "load", number_or_null(loads[0]), "cpus_online",
+                     json_integer(sysconf(_SC_NPROCESSORS_ONLN)), "memory", "total",
+                     number_or_null(total), "available", number_or_null(memory_of("MemAvailable:")),
+                     "limit", number_or_null(memory_limit(total)), "timer", timer_json());
+}
+
+/* ---- Text ---- */
+
+static double number(const json_t *object, const char *key)
+{
+    const json_t *value = json_object_get(object, key);
+    return value == NULL ? (double)NAN : json_number_value(value);
+}
+
+static const char *has_feature(const json_t *machine, const char *name)
+{
+    size_t index;
+    const json_t *feature;
+    json_array_foreach(json_object_get(machine, "features"), index, feature)
+    {
+        if (strcmp(json_string_value(feature), name) == 0) {
+            return "yes";
+        }
+    }
+    return "no";
+}
+
+static void print_kernels(const json_t *machine, pl_table *table)
+{
+    const int lanes = (int)number(machine, "kernel_lanes");
+    pl_table_add(table, "kernels");
+    pl_table_format_cell(table,
+                         "Plumb's engine solves up to %d contact manifold%s at once; instructions "
+                         "of the processor: avx2 %s, avx512f %s",
+                         lanes, lanes == 1 ? "" : "s", has_feature(machine, "avx2"),
+                         has_feature(machine, "avx512f"));
+}
+
+static void print_frequency(const json_t *machine, pl_table *table)
+{
+    const json_t *governed = json_object_get(machine, "governor");
+    const json_t *boost = json_object_get(machine, "turbo");
+    pl_table_add(table, "frequency");
+    if (governed == NULL && boost == NULL) {
+        pl_table_add(table, "governor and turbo cannot be read, as on most virtual machines");
+        return;
+    }
+    pl_table_format_cell(table, "governor %s; turbo %s",
+                         governed == NULL ? "unknown" : json_string_value(governed),
+                         boost == NULL         ? "unknown"
+                         : json_is_true(boost) ? "on: the frequency depends on the load of all CPUs"
+                                               : "off");
+}
+
+static void print_timer(const json_t *timer, pl_table *table)
+{
+    pl_table_add(table, "clock of steps");
+    pl_table_format_cell(table, "resolution %.3g ns; an empty step measures as %.2g µs",
+                         1e9 * number(timer, "resolution"), 1e6 * number(timer, "empty"));
+    pl_table_add(table, "noise");
+    pl_table_format_cell(
+        table,
+        "repeats of a step of %.2g µs differ by %.2g %% (median distance from the median of %d); "
+        "one in a hundred takes %.3g times the median or more",
+        1e6 * number(timer, "step"), 100 * number(timer, "spread"), (int)number(timer, "repeats"),
+        number(timer, "slow"));
+}
+
+static void print_load(const json_t *machine, int cpus, pl_table *table)
+{
+    const double load = number(machine, "load");
+    pl_table_add(table, "load");
+    if (isnan(load)) {
+        pl_table_add(table, "unknown");
+        return;
+    }
+    pl_table_format_cell(table, "%.3g processes on average over the last minute, for %d CPUs: %s",
+                         load, cpus,
+                         load > cpus       ? "times are disturbed; wait until the others have ended"
+                         : load > cpus / 2 ? "times may be disturbed"
+                                           : "times are hardly disturbed");
+}
+
+static void print_memory(const json_t *memory, pl_table *table)
+{
+    const double limit = number(memory, "limit");
+    pl_table_add(table, "memory");
+    if (isnan(limit)) {
+        pl_table_format_cell(table,
+                             "%.3g GiB, of which %.3g GiB are available; no limit below that",
+                             number(memory, "total") / GIB, number(memory, "available") / GIB);
+    } else {
+        pl_table_format_cell(
+            table, "%.3g GiB, of which %.3g GiB are available; this process may use %.3g GiB",
+            number(memory, "total") / GIB, number(memory, "available") / GIB, limit / GIB);
+    }
+}
+
+void pl_machine_print(const json_t *host, const json_t *machine, FILE *out)
+{
+    pl_table table = {0};
+    const int cpus = (int)number(host, "cpus"), online = (int)number(machine, "cpus_online");
+    pl_table_columns(&table, "machine|what was found");
+    pl_table_add(&table, "processor");
+    pl_table_add(&table, pl_json_get_text(host, "cpu"));
+    pl_table_add(&table, "CPUs");
+    pl_table_format_cell(&table, "this process may use %d of %d", cpus, online);
+    print_kernels(machine, &table);
+    print_frequency(machine, &table);
+    print_timer(json_object_get(machine, "timer"), &table);
+    print_load(machine, online, &table);
+    print_memory(json_object_get(machine, "memory"), &table);
+    pl_table_print(&table, out);
+    pl_table_free(&table);
+}
