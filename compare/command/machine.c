@@ -235,7 +235,7 @@ static void print_load(const json_t *machine, int cpus, pl_table *table)
     pl_table_format_cell(table, "%.3g processes on average over the last minute, for %d CPUs: %s",
                          load, cpus,
                          load > cpus       ? "times are disturbed; wait until the others have ended"
-                         : load > cpus / 2 ? "times may be disturbed"
+                         : 2 * load > cpus ? "times may be disturbed"
                                            : "times are hardly disturbed");
 }
 
