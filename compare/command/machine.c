@@ -109,12 +109,9 @@ static double group_limit(const char *root, const char *name, const char *file)
     }
 }
 
-static double limit_of(int resource)
+static double limit_of(const struct rlimit *limit)
 {
-    struct rlimit limit;
-    return getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY
-               ? (double)INFINITY
-               : (double)limit.rlim_cur;
+    return limit->rlim_cur == RLIM_INFINITY ? (double)INFINITY : (double)limit->rlim_cur;
 }
 
 /* What this process may have, bytes, by its control groups (versions 1 and 2) and ulimit(1); NAN
@@ -122,7 +119,10 @@ static double limit_of(int resource)
 static double memory_limit(double total)
 {
     char line[1024];
-    double least = fmin(limit_of(RLIMIT_AS), limit_of(RLIMIT_DATA));
+    struct rlimit space = {.rlim_cur = RLIM_INFINITY}, data = space;
+    getrlimit(RLIMIT_AS, &space);
+    getrlimit(RLIMIT_DATA, &data);
+    double least = fmin(limit_of(&space), limit_of(&data));
     FILE *file = fopen("/proc/self/cgroup", "re");
     while (file != NULL && fgets(line, sizeof line, file) != NULL) {
         const char *memory = strstr(line, ":memory:");
