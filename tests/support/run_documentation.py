@@ -50,6 +50,11 @@ NOT_RUN = (
     (r"^plumb solve --benchmark", "this takes ten minutes"),
     (r"^tests/benchmark/cost_by_size", "this takes a quarter of an hour"),
     (r"^plumb (threshold|sweep) .*--cpu-limit 20 --timeout 90", "this takes minutes; compare/state runs it"),
+    (r"^compare/packaging/release\b", "this builds once more; test_packages_slow makes packages"),
+    (r"^sudo apt-get install \./packages/", "tests/packaging/bare_debian installs the packages"),
+    (r"^man plumb", "tests/packaging/bare_debian installs the packages"),
+    (r"^tests/packaging/bare_debian", "this installs a Debian"),
+    (r"^RENEW=yes ctest", "this replaces a file of the source"),
     (r"^plumb view state/runs", "compare/state makes that folder"),
 )
 # Pages that plumb new-engine writes, and how.
