@@ -86,15 +86,18 @@ static void test_first_nonfinite_number_ends_the_run(void **state)
 {
     (void)state;
     const double bad[3] = {nan(""), HUGE_VAL, -HUGE_VAL};
-    for (size_t number = 0; number < sizeof(pl_body_state) / sizeof(double); ++number) {
+    enum { NUMBERS = sizeof(pl_body_state) / sizeof(double), OF_POSE = 7 };
+    /* All numbers of the box, and then those of the static floor's pose. */
+    for (size_t i = 0; i < NUMBERS + OF_POSE; ++i) {
         run r;
         run_prepare_box_on_floor(&r, 1);
         run_begin(&r);
         run_step_many(&r, 9);
-        double wrong = bad[number % 3];
-        memcpy((char *)&r.state[1] + number * sizeof wrong, &wrong, sizeof wrong);
+        double wrong = bad[i % 3];
+        const size_t body = i < NUMBERS, number = i < NUMBERS ? i : i - NUMBERS;
+        memcpy((char *)&r.state[body] + number * sizeof wrong, &wrong, sizeof wrong);
         assert_int_equal(run_step(&r), PL_ENDING_NONFINITE);
-        assert_contains(r.error.message, "\"box\"");
+        assert_contains(r.error.message, r.scene.bodies[body].name);
         assert_contains(r.error.message, "step 10");
         assert_int_equal(run_step(&r), PL_ENDING_NONFINITE);
         assert_int_equal(run_finish(&r), PL_ENDING_NONFINITE);

@@ -118,6 +118,12 @@ static bool is_finite(const double v[3])
     return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
 }
 
+/* Whether what an engine says of a static body can be written: it is not judged otherwise. */
+static bool is_pose_finite(const pl_body_state *s)
+{
+    return is_finite(s->position) && is_finite(s->orientation) && isfinite(s->orientation[3]);
+}
+
 /* The name of the first invalid part of a state, or NULL. */
 static const char *invalid_part(const pl_body_state *s)
 {
@@ -141,7 +147,9 @@ pl_ending pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, lo
                           pl_error *error)
 {
     for (int i = 0; i < scene->body_count; ++i) {
-        const char *invalid = scene->bodies[i].is_static ? NULL : invalid_part(&bodies[i]);
+        const char *invalid = !scene->bodies[i].is_static  ? invalid_part(&bodies[i])
+                              : is_pose_finite(&bodies[i]) ? NULL
+                                                           : "pose";
         if (invalid != NULL) {
             (void)pl_fail(error, PL_FAILED, "the %s of body \"%s\" is %s at step %ld", invalid,
                           scene->bodies[i].name,

@@ -27,8 +27,9 @@ typedef struct pl_scale {
 /* The scales of the scene's initial state. */
 pl_scale pl_scale_of(const pl_scene *scene);
 
-/* PL_ENDING_NONFINITE, with body and step in `error`, when a number of a dynamic body is NaN or
- * infinite or its orientation has a squared norm outside 1/2 .. 2. */
+/* PL_ENDING_NONFINITE, with body and step in `error`, when a number of a dynamic body or of a static
+ * one's pose is NaN or infinite, or the orientation of a dynamic one has a squared norm outside
+ * 1/2 .. 2. */
 pl_ending pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, long step,
                           pl_error *error);
 
