@@ -49,8 +49,9 @@ static void add_bodies(pe_world *world, int count)
     for (int i = 0; i < count; ++i) {
         pe_body_def def = pe_body_def_default();
         pe_body_id id;
+        const int column = i % 5, row = i / 5 % 5, layer = i / 25;
         def.shape = shapes[i % 3];
-        def.position = (pe_vec3){-2 + i % 5, -2 + i / 5 % 5, 1 + 0.9 * (i / 25)};
+        def.position = (pe_vec3){-2 + column, -2 + row, 1 + 0.9 * layer};
         def.angular_velocity = (pe_vec3){0.1 * (i % 7), 0.1 * (i % 3), 0};
         check(pe_body_create(world, &def, &id, &error), &error);
     }
