@@ -55,6 +55,15 @@ static pl_status check_result(const json_t *result, const char *path, size_t ind
         return pl_fail(error, PL_BAD_INPUT, "%s:%zu:1: expected settings.dt and metrics", path,
                        index + 1);
     }
+    const char *name;
+    json_t *value;
+    json_object_foreach(json_object_get(result, "params"), name, value)
+    {
+        if (!json_is_number(value)) {
+            return pl_fail(error, PL_BAD_INPUT, "%s:%zu:1: params.%s: expected a number", path,
+                           index + 1, name);
+        }
+    }
     return PL_OK;
 }
 
