@@ -1,5 +1,5 @@
 # Included by the project in the preset coverage: a process that ends by _exit writes its counts as well.
-file(WRITE ${CMAKE_BINARY_DIR}/coverage_exit.c
+file(WRITE ${PROJECT_BINARY_DIR}/coverage_exit.c
 "#include <sys/syscall.h>
 #include <unistd.h>
 void __gcov_dump(void);
@@ -10,6 +10,6 @@ void _exit(int status)
     __builtin_unreachable();
 }
 ")
-add_library(plumb_coverage_exit OBJECT ${CMAKE_BINARY_DIR}/coverage_exit.c)
+add_library(plumb_coverage_exit OBJECT ${PROJECT_BINARY_DIR}/coverage_exit.c)
 set_target_properties(plumb_coverage_exit PROPERTIES C_STANDARD 17 C_EXTENSIONS ON)
 link_libraries($<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:$<TARGET_OBJECTS:plumb_coverage_exit>>)
