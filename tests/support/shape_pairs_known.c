@@ -9,11 +9,9 @@ typedef struct known {
     int poses;
 } known;
 
-/* Of 10,000 poses (equals_brute_force), 100,000 (has_sound_points), 2,500 (keeps_its_features) or
- * 25,000. The causes with a mesh: two equal tori one on the other; and overlaps by more than the
+/* Of 2,500 poses (keeps_its_features) or 25,000. The causes with a mesh: two equal tori one on the other; and overlaps by more than the
  * tube. Feature ids change for a corner or the end of a core exactly over an edge. */
 static const known table[] = {
-    {"has_sound_points", PE_SHAPE_MESH, PE_SHAPE_MESH, 1},
     {"is_continuous", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 1},
     {"is_continuous", PE_SHAPE_HULL, PE_SHAPE_MESH, 1},
     {"keeps_points_over_the_range", PE_SHAPE_MESH, PE_SHAPE_MESH, 1},

@@ -7,9 +7,8 @@
 
 #include <float.h>
 
-/* Of the size: a corner this far outside a face counts as on the face. Where a dent ends at a convex edge,
- * a point may count as behind the dent that lies beside the solid by five times as much. */
-static const double CLIP_SLACK = 1e-8, DENT_SLACK = 5e-8;
+/* Of the size: a corner this far outside a face counts as on the face. */
+static const double CLIP_SLACK = 1e-8;
 
 /* A part of the poses of the budget. */
 static law_count share(const law_budget *budget, int parts)
@@ -168,8 +167,7 @@ static bool is_point_sound(trial *t, const pe_pair_manifold *manifold, const pe_
     }
     pe_vec3 on_a = pe_madd(point->position, -0.5 * point->separation, manifold->normal);
     pe_vec3 on_b = pe_madd(point->position, 0.5 * point->separation, manifold->normal);
-    const bool has_dents = !t->pair.a.solid->convex || !t->pair.b.solid->convex;
-    double within = t->tolerance + (has_dents ? DENT_SLACK : CLIP_SLACK) * t->pair.size;
+    double within = t->tolerance + CLIP_SLACK * t->pair.size;
     /* Across the normal, the nearest points are only known to this accuracy: a shift by it changes
      * their distance by rounding. */
     within += sqrt(2 * pe_max(0, point->separation) * DBL_EPSILON * (wide(&t->pair) + 5));

@@ -83,8 +83,7 @@ bool pe_facet_contains(const pe_facet *facet, pe_vec3 x, double slack);
 typedef enum pe_facet_side { PE_OFF_FACET, PE_ON_FACET, PE_BEHIND_DENT } pe_facet_side;
 
 /* The same test as pe_facet_contains, which also finds a point x that lies past a dent, at most
- * `past` (m) beyond the rim, and behind the face across it: there is solid there, except next to the
- * end of the dent, where the point may lie beside the solid by a few times the slack. */
+ * `past` (m) beyond the rim, and behind the face across it: there is solid there. */
 pe_facet_side pe_facet_contains_dented(const pe_solid *solid, const pe_transform *placed,
                                        const pe_facet *facet, pe_vec3 x, double slack, double past);
 

@@ -8,6 +8,7 @@
 #include "near_features.h"
 
 #include "narrow_phase/tolerances.h"
+#include "solid_query.h"
 
 /* ---- Features within reach ---- */
 
@@ -16,6 +17,18 @@ typedef struct finder {
     double reach, depth, bound; /* m; bound: the larger of the two */
     pe_touches *list;
 } finder;
+
+/* Whether a point on a face's plane, past a dent, is in the solid: next to the end of the dent it may
+ * not be, though it is behind the face across the dent. */
+static bool is_in_solid(const pe_solid *solid, const pe_transform *placed, pe_vec3 x, double slack)
+{
+    pe_vec3 own = placed != NULL ? pe_transform_back(placed, x) : x;
+    if (pe_solid_contains(solid, own)) {
+        return true;
+    }
+    pe_vec3 d = pe_sub(own, pe_solid_nearest_point(solid, own));
+    return pe_dot(d, d) <= slack * slack;
+}
 
 /* Adds the touch of corner k of one facet, at a height over the other. */
 static void try_vertex(const finder *f, pe_touch_kind kind, const pe_facet *of,
@@ -28,12 +41,16 @@ static void try_vertex(const finder *f, pe_touch_kind kind, const pe_facet *of,
         return;
     }
     bool of_a = kind == PE_VERTEX_FACE, strict;
-    pe_facet_side side = pe_facet_contains_dented(of_a ? &pair->b : &pair->a, of_a ? NULL : placed,
-                                                  over, of->x[k], pair->slack, f->depth);
-    if (side == PE_OFF_FACET) {
+    const pe_solid *solid = of_a ? &pair->b : &pair->a;
+    placed = of_a ? NULL : placed;
+    pe_facet_side side =
+        pe_facet_contains_dented(solid, placed, over, of->x[k], pair->slack, f->depth);
+    if (side == PE_OFF_FACET ||
+        (side == PE_BEHIND_DENT &&
+         !is_in_solid(solid, placed, pe_madd(of->x[k], -height, over->normal), pair->slack))) {
         return;
     }
-    pe_vec3 normal = of_a ? pe_unrotate(&placed->turn, over->normal) : over->normal;
+    pe_vec3 normal = of_a ? pe_unrotate(&pair->trees.a_in_b.turn, over->normal) : over->normal;
     if (pe_vertex_takes_normal(of_a ? &pair->a : &pair->b, of->vertices[k], normal, &strict)) {
         pe_touch touch = pe_touch_on_face(kind, of->vertices[k], of->x[k], over, height);
         touch.separation -= pair->radius;
