@@ -2,7 +2,7 @@
 # The Debian packages are the same bytes twice, lintian finds nothing, what they install works without the source,
 # and the examples build against them outside the tree, by CMake and by make with pkg-config.
 set -eu
-[[ -f $BUILD/CPackConfig.cmake ]] && command -v dpkg-deb >/dev/null && command -v cpack >/dev/null || exit 77
+[[ -f $BUILD/CPackConfig.cmake ]] && command -v dpkg-shlibdeps >/dev/null && command -v cpack >/dev/null || exit 77
 source "$SOURCE/tests/support/command.sh"
 source "$SOURCE/tests/support/steps.sh"
 
