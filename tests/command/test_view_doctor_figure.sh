@@ -47,7 +47,7 @@ done
 [[ $(head -n 1 out) == P$("$PLUMB" --version | tail -c +2) ]] || note_failure "doctor: no version: $(cat out)"
 [[ $(grep -cE '^(processor|CPUs|kernels|frequency|clock of steps|noise|load|memory|chromium|xdg-open|node|npm|parallel) ' out) == 13 ]] ||
     note_failure "doctor: something of the machine or the tools is missing: $(cat out)"
-COLUMNS=80 LC_ALL=C.UTF-8 "$PLUMB" doctor | LC_ALL=C.UTF-8 awk 'length > 80' >wide
+COLUMNS=80 LC_ALL=C.UTF-8 "$PLUMB" doctor | LC_ALL=C.UTF-8 grep -E '^.{81}' >wide || true
 [[ ! -s wide ]] || note_failure "doctor: lines are wider than 80 columns: $(cat wide)"
 
 # plumb doctor --json agrees with what the system says; one CPU, a limit, and no tools but one.
