@@ -9,8 +9,8 @@
 
 enum { PATH_ROOM = 4096 };
 
-/* Finds the folder of what comes with the program: in the installation, or else that of the build, whose
- * programs lie beside it. Returns whether it is an installation. */
+/* Finds the folder of the files that come with the program: that of the installation, or else that of
+ * the build, which is next to the program. Returns whether the program is installed. */
 static bool find_own_folder(char folder[PATH_ROOM])
 {
     static const char *const places[] = {PLUMB_LIBRARY_FOLDER, "lib/plumb"};

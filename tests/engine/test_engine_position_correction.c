@@ -537,7 +537,7 @@ static void test_swept_tower_is_freed_of_larger_depths(void **state)
     }
 }
 
-/* One box is sunk in the ground and stays in it for several steps. Another box falls beside it. */
+/* One box is sunk in the ground and stays in it for several steps. Another box falls next to it. */
 static void test_statistics_count_depth_left_in_any_island(void **state)
 {
     (void)state;

@@ -18,7 +18,7 @@ gives '^60 bodies: ' engine/heap 60
 # Of types, only what the public headers declare is part of the interface.
 describe_interface() {
     abidw --exported-interfaces-only --headers-dir "$SOURCE/engine/include" --drop-private-types --drop-undefined-syms \
-        --no-corpus-path --no-show-locs --no-comp-dir-path "$1"
+        --no-corpus-path --no-show-locs --no-comp-dir-path "$1" | sed "s|path='$SOURCE/|path='|"
 }
 if command -v abidw >/dev/null; then
     describe_interface engine/plumb/libplumb.so >now.abi
