@@ -51,7 +51,8 @@ static void test_jitter_moves_bodies_by_a_ten_thousandth(void **state)
     for (int i = 0; i < before.body_count; ++i) {
         const pl_body *a = &before.bodies[i], *b = &after.bodies[i];
         if (a->is_static) {
-            assert_memory_equal(a, b, sizeof *a);
+            assert_memory_equal(a->position, b->position, sizeof a->position);
+            assert_memory_equal(a->orientation, b->orientation, sizeof a->orientation);
             continue;
         }
         for (int k = 0; k < 3; ++k) {
