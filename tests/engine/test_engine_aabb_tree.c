@@ -46,8 +46,7 @@ static void change(forest *f, int item, check_random *random)
     } else {
         f->box[item] = random_box(random);
         f->changed[item] = true;
-        pe_tree_set_box(&f->tree, item, &f->box[item]);
-        pe_tree_mark(&f->tree, item);
+        pe_tree_count_marked(&f->tree, pe_tree_set_box(&f->tree, item, &f->box[item]));
     }
 }
 
@@ -67,7 +66,7 @@ static void find(forest *f, char (*listed)[ITEMS])
     for (int i = 0; i < pairs.count; ++i) {
         listed[pairs.items[i].a][pairs.items[i].b] += 1;
     }
-    pe_tree_unmark(&f->tree);
+    pe_tree_unmark(&f->tree, NULL);
 }
 
 static void test_pairs_are_overlaps_of_changed_boxes_once(void **state)
@@ -161,11 +160,10 @@ static void test_height_and_nodes_stay_bounded_under_single_moves(void **state)
             f.box[item].low[k] += shift;
             f.box[item].high[k] += shift;
         }
-        pe_tree_set_box(&f.tree, item, &f.box[item]);
-        pe_tree_mark(&f.tree, item);
+        pe_tree_count_marked(&f.tree, pe_tree_set_box(&f.tree, item, &f.box[item]));
         assert_int_equal(
             pe_tree_update(&f.tree, (pe_workspace){&f.arena, &f.allocator, NULL}, NULL), PE_OK);
-        pe_tree_unmark(&f.tree);
+        pe_tree_unmark(&f.tree, NULL);
         const pe_tree_node *node = f.tree.node_array.items;
         assert_true(node[f.tree.root].height <= 96);
     }
@@ -231,8 +229,7 @@ static void test_threads_build_the_same_tree(void **state)
                 if (round == 0) {
                     assert_int_equal(pe_tree_add(&trees[t], &allocator, item, &box, NULL), PE_OK);
                 } else {
-                    pe_tree_set_box(&trees[t], item, &box);
-                    pe_tree_mark(&trees[t], item);
+                    pe_tree_count_marked(&trees[t], pe_tree_set_box(&trees[t], item, &box));
                 }
             }
         }
@@ -247,7 +244,7 @@ static void test_threads_build_the_same_tree(void **state)
             assert_true(are_same_nodes(&a[i], &b[i]));
         }
         for (int t = 0; t < 2; ++t) {
-            pe_tree_unmark(&trees[t]);
+            pe_tree_unmark(&trees[t], NULL);
         }
     }
     for (int t = 0; t < 2; ++t) {

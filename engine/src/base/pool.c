@@ -12,7 +12,7 @@
 
 /* Looks at a number that another thread is about to change, before a thread without work sleeps and
  * before one that waits for others yields. */
-enum { SPINS = 4000, PATIENCE = 200 };
+enum { SPINS = 15000, PATIENCE = 200 };
 
 enum { CACHE_LINE = 64 };
 

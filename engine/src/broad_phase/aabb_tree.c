@@ -1,9 +1,11 @@
 #include "aabb_tree_nodes.h"
 
+#include "base/pool.h"
+
 #include <string.h>
 
 /* Every step down leaves one pair of nodes on the stack, or two inside of one node. */
-enum { MAX_NODE_PAIRS = 4 * (MAX_HEIGHT + 1) };
+enum { MAX_NODE_PAIRS = 4 * (MAX_HEIGHT + 1), NODE_GRAIN = 2048 };
 
 void pe_tree_free(pe_tree *tree, const pe_allocator *allocator)
 {
@@ -14,14 +16,17 @@ void pe_tree_free(pe_tree *tree, const pe_allocator *allocator)
 
 /* ---- Changes ---- */
 
-/* Everything above a marked node is marked. */
-static void mark(pe_tree *tree, int leaf)
+/* Marks a leaf and all nodes above it, and returns whether the leaf was not marked yet. It ends at a marked node,
+ * because all nodes above that are marked, or being marked by another thread. */
+static bool mark(pe_tree *tree, int leaf)
 {
     pe_tree_node *nodes = nodes_of(tree);
-    tree->marked_count += !nodes[leaf].marked;
-    for (int node = leaf; node != NONE && !nodes[node].marked; node = nodes[node].parent) {
-        nodes[node].marked = true;
+    const bool was_marked = nodes[leaf].marked;
+    for (int node = leaf; node != NONE && !__atomic_load_n(&nodes[node].marked, __ATOMIC_RELAXED);
+         node = nodes[node].parent) {
+        __atomic_store_n(&nodes[node].marked, true, __ATOMIC_RELAXED);
     }
+    return !was_marked;
 }
 
 /* Makes room for two nodes more, and for the item. */
@@ -60,21 +65,23 @@ pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, co
     return PE_OK;
 }
 
-void pe_tree_set_box(pe_tree *tree, int item, const pe_aabb *box)
+bool pe_tree_set_box(pe_tree *tree, int item, const pe_aabb *box)
 {
-    nodes_of(tree)[leaves_of(tree)[item]].box = *box;
+    const int leaf = leaves_of(tree)[item];
+    nodes_of(tree)[leaf].box = *box;
+    return mark(tree, leaf);
 }
 
-void pe_tree_mark(pe_tree *tree, int item)
+void pe_tree_count_marked(pe_tree *tree, int leaves)
 {
-    mark(tree, leaves_of(tree)[item]);
+    tree->marked_count += leaves;
 }
 
 void pe_tree_remove(pe_tree *tree, int item)
 {
     int leaf = leaves_of(tree)[item];
     nodes_of(tree)[leaf].child[1] = NONE;
-    mark(tree, leaf);
+    tree->marked_count += mark(tree, leaf);
 }
 
 /* Visits the nodes below `node` in depth-first order, by the links to the parents. Returns the node
@@ -101,16 +108,25 @@ void pe_tree_invalidate(pe_tree *tree)
     tree->marked_count = tree->leaf_count;
 }
 
-void pe_tree_unmark(pe_tree *tree)
+static void unmark_nodes(void *context, int worker, int begin, int end)
 {
-    pe_tree_node *nodes = nodes_of(tree);
-    const bool all = is_mostly_marked(tree);
-    for (int i = 1; i <= tree->node_count && all; ++i) {
+    (void)worker;
+    pe_tree_node *nodes = context;
+    for (int i = begin; i < end; ++i) {
         nodes[i].marked = false;
     }
-    for (int i = tree->root, next; i != NONE && !all; i = next) {
-        next = next_node(nodes, i, !nodes[i].marked);
-        nodes[i].marked = false;
+}
+
+void pe_tree_unmark(pe_tree *tree, pe_pool *pool)
+{
+    pe_tree_node *nodes = nodes_of(tree);
+    if (is_mostly_marked(tree)) {
+        pe_pool_run_range(pool, 1, tree->node_count + 1, NODE_GRAIN, unmark_nodes, nodes);
+    } else {
+        for (int i = tree->root, next; i != NONE; i = next) {
+            next = next_node(nodes, i, !nodes[i].marked);
+            nodes[i].marked = false;
+        }
     }
     tree->marked_count = 0;
 }

@@ -76,12 +76,12 @@ void pe_tree_free(pe_tree *tree, const pe_allocator *allocator);
 pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, const pe_aabb *box,
                       pe_error *error);
 
-/* Gives the leaf of an item another box, which must hold no NaN. pe_tree_mark must follow. Threads may do so
- * for different items at the same time. */
-void pe_tree_set_box(pe_tree *tree, int item, const pe_aabb *box);
+/* Gives the leaf of an item another box, which must hold no NaN, and marks it. Returns whether it was not marked
+ * yet, for pe_tree_count_marked. Threads may do so for different items at the same time. */
+bool pe_tree_set_box(pe_tree *tree, int item, const pe_aabb *box);
 
-/* Notes that the box of an item is another one. */
-void pe_tree_mark(pe_tree *tree, int item);
+/* Counts leaves for which pe_tree_set_box returned true. */
+void pe_tree_count_marked(pe_tree *tree, int leaves);
 
 /* Removes the leaf of an item. */
 void pe_tree_remove(pe_tree *tree, int item);
@@ -115,7 +115,7 @@ int pe_tree_query_starts(const pe_tree *a, const pe_tree *b, int most, pe_node_p
 pe_status pe_tree_query_from(const pe_tree *a, const pe_tree *b, pe_node_pair start,
                              pe_pair_list *pairs, pe_error *error);
 
-/* Clears the marks of all leaves. The tree must be updated. */
-void pe_tree_unmark(pe_tree *tree);
+/* Clears the marks of all leaves, by the threads of the pool. The tree must be updated. */
+void pe_tree_unmark(pe_tree *tree, pe_pool *pool);
 
 #endif

@@ -222,8 +222,8 @@ static bool is_within_tight(const pe_proxy *proxy, const pe_pose *pose, const pe
     return margin > 0 && 4 * moved2 <= margin * margin;
 }
 
-/* Which of the AABBs of a body are new. */
-typedef enum left_boxes { NEITHER, TIGHT_ONLY, BOTH } left_boxes;
+/* Which of the AABBs of a body are new. Static bodies have a tree of their own. */
+typedef enum left_boxes { NEITHER, TIGHT_ONLY, BOTH, BOTH_OF_STATIC } left_boxes;
 
 /* Computes the tight AABB again of a body that has left it. */
 static left_boxes update_tight(const pe_world *world, int slot, double dt, double slack)
@@ -245,18 +245,19 @@ static left_boxes update_tight(const pe_world *world, int slot, double dt, doubl
     proxy->position = pose->position;
     proxy->orientation = pose->orientation;
     return pe_aabb_contains(pe_tree_box(tree_of(broad, proxy), slot), &proxy->tight) ? TIGHT_ONLY
-                                                                                     : BOTH;
+           : proxy->is_static ? BOTH_OF_STATIC
+                              : BOTH;
 }
 
-/* Gives the body a fat AABB that holds its tight one. */
-static void move_leaf(const pe_world *world, int slot, double dt)
+/* Gives the body a fat AABB that holds its tight one. Returns whether its leaf was not marked yet. */
+static bool move_leaf(const pe_world *world, int slot, double dt)
 {
     pe_broad *broad = world->broad;
     const pe_proxy *proxy = &proxies_of(broad)[slot];
     pe_vec3 ahead = pe_scale(AHEAD * dt, pe_twists(world)[slot].velocity);
     pe_aabb fat = enlarged(&proxy->tight, FAT * proxy->radius, ahead);
     bool has_nan = !pe_aabb_contains(&fat, &fat); /* such a box overlaps none */
-    pe_tree_set_box(tree_of(broad, proxy), slot, has_nan ? &(pe_aabb){{0}, {0}} : &fat);
+    return pe_tree_set_box(tree_of(broad, proxy), slot, has_nan ? &(pe_aabb){{0}, {0}} : &fat);
 }
 
 /* Bodies whose nodes are fetched before they are looked at: these lie anywhere in memory. */
@@ -284,11 +285,11 @@ static void update_tight_boxes(void *context, int worker, int begin, int end)
         }
         if (proxies[slot].bounded && !is_within_tight(&proxies[slot], &pe_poses(world)[slot],
                                                       &pe_twists(world)[slot], b->dt, b->slack)) {
-            const left_boxes left = update_tight(world, slot, b->dt, b->slack);
-            b->left[i] = (uint8_t)left;
-            if (left == BOTH) {
-                move_leaf(world, slot, b->dt);
+            left_boxes left = update_tight(world, slot, b->dt, b->slack);
+            if (left >= BOTH && !move_leaf(world, slot, b->dt)) {
+                left = TIGHT_ONLY; /* a new body, or one of a step that failed */
             }
+            b->left[i] = (uint8_t)left;
         }
     }
 }
@@ -296,6 +297,7 @@ static void update_tight_boxes(void *context, int worker, int begin, int end)
 /* Recomputes the AABBs that bodies have left. */
 static pe_status update_all_boxes(pe_world *world, double dt, pe_error *error)
 {
+    pe_broad *broad = world->broad;
     boxes b = {.world = world,
                .dt = dt,
                .slack = pe_margin_slack(world, dt),
@@ -305,16 +307,16 @@ static pe_status update_all_boxes(pe_world *world, double dt, pe_error *error)
                        world->slot_count);
     }
     pe_pool_run(world->pool, pe_awake_count(world), PE_BODY_GRAIN, update_tight_boxes, &b);
+    int count[2] = {0}; /* of dynamic and of static bodies */
     for (int i = 0; i < pe_awake_count(world); ++i) {
-        const int slot = pe_awake(world)[i];
-        if (b.left[i] != NEITHER) {
-            world->broad->tight_changed = true;
-            if (b.left[i] == BOTH) {
-                pe_tree_mark(tree_of(world->broad, &proxies_of(world->broad)[slot]), slot);
-                mark_moved(world->broad, slot);
-            }
+        broad->tight_changed |= b.left[i] != NEITHER;
+        if (b.left[i] >= BOTH) {
+            count[b.left[i] == BOTH_OF_STATIC] += 1;
+            mark_moved(broad, pe_awake(world)[i]);
         }
     }
+    pe_tree_count_marked(&broad->dynamics, count[0]);
+    pe_tree_count_marked(&broad->statics, count[1]);
     return PE_OK;
 }
 
@@ -331,71 +333,77 @@ static void mark_all_dynamics(pe_broad *broad)
     pe_tree_invalidate(&broad->dynamics);
 }
 
-static pe_status pair_with_planes(const pe_world *world, pe_pair_list *pairs, pe_error *error)
+/* The pairs of fat AABBs with a moved one. Each thread lists those that it finds. */
+typedef struct pair_search {
+    pe_world *world;
+    const pe_tree *with; /* of a query: where the partners of dynamic bodies are */
+    pe_node_pair starts[PE_MOST_STARTS];
+    pe_pair_list *found; /* (threads) */
+    pe_status *statuses; /* (threads) */
+} pair_search;
+
+static void pair_with_planes(void *context, int worker, int begin, int end)
 {
-    const pe_broad *broad = world->broad;
+    const pair_search *s = context;
+    const pe_broad *broad = s->world->broad;
     const int *planes = broad->plane_array.items, *moved = broad->moved_list.items;
-    pe_status status = PE_OK;
-    for (int i = 0; i < broad->moved_count; ++i) {
+    pe_status *status = &s->statuses[worker];
+    for (int i = begin; i < end; ++i) {
         const pe_proxy *proxy = &proxies_of(broad)[moved[i]];
         if (!proxy->bounded || proxy->is_static) {
             continue;
         }
         const pe_aabb *box = pe_tree_box(&broad->dynamics, moved[i]);
-        for (int k = 0; k < broad->plane_count && status == PE_OK; ++k) {
-            if (is_below(box, &pe_bodies(world)[planes[k]].shape)) {
-                status = pe_pair_list_add(pairs, planes[k], moved[i], error);
+        for (int k = 0; k < broad->plane_count && *status == PE_OK; ++k) {
+            if (is_below(box, &pe_bodies(s->world)[planes[k]].shape)) {
+                *status = pe_pair_list_add(&s->found[worker], planes[k], moved[i], NULL);
             }
         }
     }
-    return status;
 }
-
-/* The pairs of dynamic bodies with those of a tree. Each thread lists those that it finds. */
-typedef struct query_pass {
-    pe_world *world;
-    const pe_tree *with;
-    pe_node_pair starts[PE_MOST_STARTS];
-    pe_pair_list *found; /* (threads) */
-    pe_status *statuses; /* (threads) */
-} query_pass;
 
 static void query_from(void *context, int worker, int begin, int end)
 {
-    const query_pass *q = context;
-    for (int i = begin; i < end && q->statuses[worker] == PE_OK; ++i) {
-        q->statuses[worker] = pe_tree_query_from(&q->world->broad->dynamics, q->with, q->starts[i],
-                                                 &q->found[worker], NULL);
+    const pair_search *s = context;
+    for (int i = begin; i < end && s->statuses[worker] == PE_OK; ++i) {
+        s->statuses[worker] = pe_tree_query_from(&s->world->broad->dynamics, s->with, s->starts[i],
+                                                 &s->found[worker], NULL);
     }
 }
 
-/* Appends the pairs found, in any order. */
-static pe_status query(pe_world *world, const pe_tree *with, pe_pair_list *pairs, pe_error *error)
+/* Looks for the pairs of dynamic bodies with those of a tree. */
+static void query(pair_search *s, const pe_tree *with)
 {
-    const size_t threads = (size_t)pe_pool_threads(world->pool);
-    query_pass q = {.world = world,
-                    .with = with,
-                    .found = pe_scratch(world, threads, sizeof *q.found),
-                    .statuses = pe_scratch_zero(world, threads, sizeof *q.statuses)};
-    pe_status status = q.found == NULL || q.statuses == NULL ? PE_NO_MEMORY : PE_OK;
-    for (size_t i = 0; i < threads && status == PE_OK; ++i) {
-        q.found[i] = (pe_pair_list){.work = pe_step_memory(pe_view_of(world, (int)i))};
+    const int most = s->world->pool != NULL ? PE_MOST_STARTS : 1;
+    const int starts = pe_tree_query_starts(&s->world->broad->dynamics, with, most, s->starts);
+    s->with = with;
+    pe_pool_run(s->world->pool, starts, 1, query_from, s);
+}
+
+/* Lists what all threads have found, in any order. */
+static pe_status gather_pairs(const pair_search *s, int threads, pe_pair_list *pairs)
+{
+    pe_status status = PE_OK;
+    int count = 0;
+    for (int i = 0; i < threads; ++i) {
+        status = status == PE_OK ? s->statuses[i] : status;
+        count += s->found[i].count;
     }
-    if (status == PE_OK) {
-        const int most = world->pool != NULL ? PE_MOST_STARTS : 1;
-        const int starts = pe_tree_query_starts(&world->broad->dynamics, with, most, q.starts);
-        pe_pool_run(world->pool, starts, 1, query_from, &q);
+    if (status != PE_OK || threads == 1) {
+        *pairs = s->found[0];
+        return status;
     }
-    for (size_t i = 0; i < threads && status == PE_OK; ++i) {
-        status = q.statuses[i];
-        for (int k = 0; k < q.found[i].count && status == PE_OK; ++k) {
-            const pe_pair pair = q.found[i].items[k];
-            status = pe_pair_list_add(pairs, pair.a, pair.b, NULL);
-        }
+    pairs->items = pe_take(pairs->work, (size_t)count + 1, sizeof *pairs->items);
+    if (pairs->items == NULL) {
+        return PE_NO_MEMORY;
     }
-    return status == PE_OK
-               ? PE_OK
-               : pe_fail(error, status, "no memory for pairs of %d bodies", world->slot_count);
+    pairs->capacity = count + 1;
+    for (int i = 0; i < threads; ++i) {
+        memcpy(pairs->items + pairs->count, s->found[i].items,
+               (size_t)s->found[i].count * sizeof *pairs->items);
+        pairs->count += s->found[i].count;
+    }
+    return PE_OK;
 }
 
 /* All pairs of fat AABBs with a moved one, sorted. */
@@ -405,13 +413,28 @@ static pe_status find_moved_pairs(pe_world *world, pe_pair_list *pairs, pe_error
     *pairs = (pe_pair_list){.work = pe_step_memory(world)};
     pe_status status = pe_tree_update(&broad->dynamics, pairs->work, error);
     status = status ? status : pe_tree_update(&broad->statics, pairs->work, error);
-    if (status == PE_OK) {
-        pe_views_open(world);
-        status = query(world, &broad->dynamics, pairs, error);
+    if (status != PE_OK) {
+        return status;
     }
-    status = status ? status : query(world, &broad->statics, pairs, error);
-    status = status ? status : pair_with_planes(world, pairs, error);
-    return status ? status : pe_pair_list_sort(pairs, world->slot_count, error);
+    pe_views_open(world);
+    const int threads = pe_pool_threads(world->pool);
+    pair_search s = {.world = world,
+                     .found = pe_scratch(world, (size_t)threads, sizeof *s.found),
+                     .statuses = pe_scratch_zero(world, (size_t)threads, sizeof *s.statuses)};
+    if (s.found == NULL || s.statuses == NULL) {
+        status = PE_NO_MEMORY;
+    } else {
+        for (int i = 0; i < threads; ++i) {
+            s.found[i] = (pe_pair_list){.work = pe_step_memory(pe_view_of(world, i))};
+        }
+        query(&s, &broad->dynamics);
+        query(&s, &broad->statics);
+        pe_pool_run(world->pool, broad->moved_count, PE_BODY_GRAIN, pair_with_planes, &s);
+        status = gather_pairs(&s, threads, pairs);
+    }
+    return status == PE_OK
+               ? pe_pair_list_sort(pairs, world->slot_count, error)
+               : pe_fail(error, status, "no memory for pairs of %d bodies", world->slot_count);
 }
 
 static bool precedes(pe_pair p, pe_pair q)
@@ -458,8 +481,8 @@ static pe_status update_fat_pairs(pe_world *world, pe_error *error)
         status = replace_moved_pairs(world, &found, error);
     }
     if (status == PE_OK) {
-        pe_tree_unmark(&broad->dynamics);
-        pe_tree_unmark(&broad->statics);
+        pe_tree_unmark(&broad->dynamics, world->pool);
+        pe_tree_unmark(&broad->statics, world->pool);
         bool *moved = broad->moved_flag.items;
         const int *list = broad->moved_list.items;
         for (int i = 0; i < broad->moved_count; ++i) {

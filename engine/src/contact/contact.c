@@ -11,24 +11,32 @@ pe_contact_rules pe_contact_rules_exact(void)
     return (pe_contact_rules){.reuse_tolerance = 1e-9, .most_points = PE_MAX_POINTS};
 }
 
+static void compute_spin_of(void *context, int worker, int begin, int end)
+{
+    (void)worker;
+    const pe_search *s = context;
+    for (int slot = begin; slot < end; ++slot) {
+        s->spin[slot] = pe_spin_speed(s->world, slot);
+    }
+}
+
 /* Computes pe_spin_speed of the pairs' bodies, or of all where there are few. */
 static pe_status compute_spin(pe_search *s, const pe_pair_list *pairs)
 {
     const pe_world *world = s->world;
-    double *spin = pe_scratch(s->world, (size_t)world->slot_count, sizeof *spin);
-    if (spin == NULL) {
+    s->spin = pe_scratch(s->world, (size_t)world->slot_count, sizeof *s->spin);
+    if (s->spin == NULL) {
         return pe_fail(s->error, PE_NO_MEMORY, "no memory for %d bodies", world->slot_count);
     }
-    bool few = 2 * pairs->count < world->slot_count;
-    for (int i = 0; i < pairs->count && few; ++i) {
+    if (2 * pairs->count >= world->slot_count) {
+        pe_pool_run(world->pool, world->slot_count, PE_BODY_GRAIN, compute_spin_of, s);
+        return PE_OK;
+    }
+    for (int i = 0; i < pairs->count; ++i) {
         pe_pair pair = pairs->items[i];
-        spin[pair.a] = pe_spin_speed(world, pair.a);
-        spin[pair.b] = pe_spin_speed(world, pair.b);
+        s->spin[pair.a] = pe_spin_speed(world, pair.a);
+        s->spin[pair.b] = pe_spin_speed(world, pair.b);
     }
-    for (int slot = 0; slot < world->slot_count && !few; ++slot) {
-        spin[slot] = pe_spin_speed(world, slot);
-    }
-    s->spin = spin;
     return PE_OK;
 }
 

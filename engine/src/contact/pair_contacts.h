@@ -8,7 +8,7 @@
 typedef struct pe_search {
     pe_world *world;
     const pe_contact_rules *rules;
-    const double *spin;     /* (slot_count), as pe_spin_speed, of the pairs' bodies */
+    double *spin;           /* (slot_count), as pe_spin_speed, of the pairs' bodies */
     double dt, slack;       /* s; m, pe_margin_slack */
     const pe_contacts *old; /* both lists are sorted by (a, b) */
     int next;               /* the first manifold of `old` that no pair has passed yet */
