@@ -1,7 +1,8 @@
 /* A loop is published by its caller, who takes pieces of it together with all threads that come.
- * Threads without work spin for a short while, because loops follow each other closely, and then
- * sleep. The caller never waits for a thread that has not begun, so that a task system may run its
- * tasks late, one after the other, or within the call that submits them. */
+ * Threads without work spin for some tenths of a millisecond before they sleep: loops follow each other
+ * closely, and to wake a thread takes as long as a small loop. The caller never waits for a thread that
+ * has not begun, so that a task system may run its tasks late, one after the other, or within the call
+ * that submits them. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "pool.h"

@@ -1,8 +1,8 @@
 /* Threads that share the pieces of a loop.
  *
  * What a loop computes does not depend on the number of threads: it is cut by counts of items alone,
- * each piece writes what no other piece reads or writes, and sums are gathered in the order of the
- * pieces. */
+ * each piece writes what no other piece reads or writes, except for atomic flags that any of them may
+ * set, and sums are gathered in the order of the pieces. */
 #ifndef PE_POOL_H
 #define PE_POOL_H
 
