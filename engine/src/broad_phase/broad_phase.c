@@ -399,9 +399,11 @@ static pe_status gather_pairs(const pair_search *s, int threads, pe_pair_list *p
     }
     pairs->capacity = count + 1;
     for (int i = 0; i < threads; ++i) {
-        memcpy(pairs->items + pairs->count, s->found[i].items,
-               (size_t)s->found[i].count * sizeof *pairs->items);
-        pairs->count += s->found[i].count;
+        if (s->found[i].count > 0) {
+            memcpy(pairs->items + pairs->count, s->found[i].items,
+                   (size_t)s->found[i].count * sizeof *pairs->items);
+            pairs->count += s->found[i].count;
+        }
     }
     return PE_OK;
 }
