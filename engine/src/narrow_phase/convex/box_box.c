@@ -209,7 +209,8 @@ static bool edge_contact(const box_pair *p, axis_choice edge, pe_vec3 n, double 
     double square = pe_dot(w, w), ea = p->a.extent[edge.i], eb = p->b.extent[edge.j];
     double middle = pe_dot(d, u), reach = eb * fabs(p->a.r[edge.i][edge.j]);
     double s = square > 0 ? pe_dot(pe_cross(d, v), w) / square : middle;
-    s = pe_max(pe_max(-ea, middle - reach), pe_min(pe_min(ea, middle + reach), s));
+    s = pe_max(middle - reach, pe_min(middle + reach, s));
+    s = pe_max(-ea, pe_min(ea, s)); /* where no part does, at the end of a's edge */
     x = pe_madd(x, s, u);
     y = pe_madd(y, pe_max(-eb, pe_min(eb, pe_dot(pe_sub(x, y), v))), v);
     pe_vec3 rest = pe_madd(pe_sub(y, x), -edge.separation, n);
