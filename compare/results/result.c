@@ -93,7 +93,7 @@ void pl_timestamp(char text[32])
     struct timespec now;
     struct tm utc;
     char seconds[24];
-    timespec_get(&now, TIME_UTC);
+    clock_gettime(CLOCK_REALTIME, &now);
     gmtime_r(&now.tv_sec, &utc);
     strftime(seconds, sizeof seconds, "%Y-%m-%dT%H:%M:%S", &utc);
     int milliseconds = (int)(now.tv_nsec / 1000000) % 1000;
