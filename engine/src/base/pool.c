@@ -1,6 +1,6 @@
 /* A loop is published by its caller, who takes pieces of it together with all threads that come.
- * Threads without work spin for some tenths of a millisecond before they sleep: loops follow each other
- * closely, and to wake a thread takes as long as a small loop. The caller never waits for a thread that
+ * Threads without work spin, then yield, for some tenths of a millisecond before they sleep: loops follow
+ * each other closely, and to wake a thread takes as long as a small loop. The caller never waits for a thread that
  * has not begun, so that a task system may run its tasks late, one after the other, or within the call
  * that submits them. */
 #define _POSIX_C_SOURCE 200809L
@@ -11,9 +11,9 @@
 #include <sched.h>
 #include <stdatomic.h>
 
-/* Looks at a number that another thread is about to change, before a thread without work sleeps and
- * before one that waits for others yields. */
-enum { SPINS = 15000, PATIENCE = 200 };
+/* Looks at a number that another thread is about to change: before a thread without work begins to yield,
+ * then until it sleeps, and before one that waits for others yields. */
+enum { SPINS = 4000, YIELDS = 1000, PATIENCE = 200 };
 
 enum { CACHE_LINE = 64 };
 
@@ -99,12 +99,16 @@ static bool is_open(unsigned number)
 static unsigned await_loop(pe_pool *pool, unsigned last)
 {
     unsigned number = last;
-    for (int i = 0; i < SPINS; ++i) {
+    for (int i = 0; i < SPINS + YIELDS; ++i) {
         number = atomic_load(&pool->loop);
         if (is_open(number) && number != last) {
             return number;
         }
-        relax();
+        if (i < SPINS) {
+            relax();
+        } else {
+            sched_yield();
+        }
     }
     pthread_mutex_lock(&pool->mutex);
     atomic_fetch_add(&pool->sleepers, 1);
