@@ -50,7 +50,7 @@ static void same_shape(const pl_shape *actual, const pl_shape *expected)
     }
 }
 
-static void same_body(const pl_body *actual, const pl_body *expected)
+void assert_same_body(const pl_body *actual, const pl_body *expected)
 {
     assert_string_equal(actual->name, expected->name);
     assert_int_equal(actual->is_static, expected->is_static);
@@ -154,7 +154,7 @@ void assert_same_scene(const pl_scene *actual, const pl_scene *expected)
     same_surfaces(actual, expected);
     assert_int_equal(actual->body_count, expected->body_count);
     for (int i = 0; i < expected->body_count; ++i) {
-        same_body(&actual->bodies[i], &expected->bodies[i]);
+        assert_same_body(&actual->bodies[i], &expected->bodies[i]);
     }
     assert_int_equal(actual->force_count, expected->force_count);
     for (int i = 0; i < expected->force_count; ++i) {

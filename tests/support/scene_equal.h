@@ -10,4 +10,7 @@ pl_scene read_scene(const char *text);
 /* Fails unless every field of both is the same: doubles as bits, so that 0 and -0 differ. */
 void assert_same_scene(const pl_scene *actual, const pl_scene *expected);
 
+/* The same for two bodies. */
+void assert_same_body(const pl_body *actual, const pl_body *expected);
+
 #endif

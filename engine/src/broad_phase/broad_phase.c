@@ -431,7 +431,9 @@ static pe_status find_moved_pairs(pe_world *world, pe_pair_list *pairs, pe_error
         }
         query(&s, &broad->dynamics);
         query(&s, &broad->statics);
-        pe_pool_run(world->pool, broad->moved_count, PE_BODY_GRAIN, pair_with_planes, &s);
+        if (broad->plane_count > 0) {
+            pe_pool_run(world->pool, broad->moved_count, PE_BODY_GRAIN, pair_with_planes, &s);
+        }
         status = gather_pairs(&s, threads, pairs);
     }
     return status == PE_OK
