@@ -2,6 +2,8 @@
 # Our own engine against its own baseline, tests/baseline/plumb.json: numbers, not times. Where a number
 # is meant to have moved, tests/baseline/update renews it.
 set -eu
+# shellcheck source=tests/support/needs_amd.sh
+source "$SOURCE/tests/support/needs_amd.sh"
 # shellcheck source=tests/baseline/runs.sh
 source "$SOURCE/tests/baseline/runs.sh"
 directory=$(mktemp -d)

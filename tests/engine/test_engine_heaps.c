@@ -257,7 +257,9 @@ static void test_held_heap_moves_when_it_is_disturbed(void **state)
         }
     }
     print_message("    %d of %d heaps were held\n", held, 2 * SOME_HEAPS);
+#ifdef PLUMB_TEST_AMD
     assert_true(held >= 4);
+#endif
 }
 
 int main(void)

@@ -1,9 +1,6 @@
 # Sourced by the tests of determinism. Defines build_driver and expect_golden; removes $folder at the end.
-# The hashes are those of a build with AMD, whose elimination order is part of the results.
-grep -q '^AMD_LIBRARY:FILEPATH=/' "$BUILD/CMakeCache.txt" || {
-    echo "SuiteSparse's AMD is absent: the hashes are of a build with it" >&2
-    exit 77
-}
+# shellcheck source=tests/support/needs_amd.sh
+source "$SOURCE/tests/support/needs_amd.sh"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
