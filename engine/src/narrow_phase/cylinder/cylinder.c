@@ -29,13 +29,16 @@ pe_vec3 pe_outward(pe_vec3 axis, pe_vec3 v, double *length)
 {
     pe_vec3 out = pe_across(axis, v);
     *length = pe_length(out);
-    if (!(*length > 1e-15 * pe_length(v))) {
-        *length = 0; /* only rounding is left */
-        return pe_v3(0, 0, 0);
+    if (*length > 1e-15 * pe_length(v)) {
+        /* The part along the axis that rounding left has grown as much as the vector. */
+        out = pe_across(axis, pe_scale(1 / *length, out));
+        const double across = pe_length(out);
+        if (across > 0.5) {
+            return pe_scale(1 / across, out);
+        }
     }
-    /* The part along the axis that rounding left has grown as much as the vector. */
-    out = pe_across(axis, pe_scale(1 / *length, out));
-    return pe_scale(1 / pe_length(out), out);
+    *length = 0; /* only rounding is left, of the vector or of the axis's length */
+    return pe_v3(0, 0, 0);
 }
 
 void pe_cylinder_rim(const pe_cylinder *c, pe_vec3 reference, pe_vec3 arm[4])
