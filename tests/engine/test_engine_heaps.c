@@ -257,9 +257,12 @@ static void test_held_heap_moves_when_it_is_disturbed(void **state)
         }
     }
     print_message("    %d of %d heaps were held\n", held, 2 * SOME_HEAPS);
-#ifdef PLUMB_TEST_AMD
-    assert_true(held >= 4);
+#ifndef PLUMB_TEST_AMD
+    if (held == 0) {
+        skip(); /* in another elimination order the direct solver may not fail */
+    }
 #endif
+    assert_true(held >= 4);
 }
 
 int main(void)
