@@ -90,6 +90,8 @@
 
 /* Length: the place of a point of a cylinder, and separations that differ by less are the same. */
 #define PE_CYLINDER_TIE 4e-10
+/* Length: an iteration for such a place ends there. */
+#define PE_CYLINDER_EXACT 1e-12
 /* Length: a face or a cap keeps the normal unless another direction separates more by this. */
 #define PE_FLAT_BIAS 4e-10
 /* Length: points of a cap, or of a side, this far outside a bound are moved onto the bound. */

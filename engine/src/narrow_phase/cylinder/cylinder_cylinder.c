@@ -95,8 +95,28 @@ static void add_rim(contact *s, const side *of, const side *in, uint64_t kind, u
     }
 }
 
-/* Adds the points where the rims cross, seen along the direction. This is exact for parallel caps.
- * A point is left out if the caps are so tilted that it is not near both rims. */
+/* Moves x, which is on a's rim, along that rim to where it crosses b's, by Newton's method. */
+static void slide_to_crossing(const contact *s, pe_vec3 *x)
+{
+    enum { MOST = 4 };
+    const side *a = &s->a, *b = &s->b;
+    for (int i = 0; i < MOST; ++i) {
+        pe_vec3 arm = pe_sub(*x, a->cap), along = pe_cross(a->c.axis, arm);
+        pe_vec3 from = pe_sub(pe_madd(*x, to_cap(b, *x), b->toward), b->cap);
+        double distance = pe_length(from), beyond = distance - b->c.radius;
+        /* Of the squared distance, half its growth along the rim. */
+        double growth =
+            pe_dot(pe_madd(along, -pe_dot(along, b->c.axis) / b->rise, b->toward), from);
+        if (fabs(beyond) <= PE_CYLINDER_EXACT * s->list.size || growth == 0) {
+            return;
+        }
+        arm = pe_madd(arm, -beyond * distance / growth, along);
+        *x = pe_madd(a->cap, a->c.radius / pe_length(arm), arm);
+    }
+}
+
+/* Adds the points where the rims cross, seen along the direction. Of parallel caps they are those
+ * of two circles. A point is left out if the caps are so tilted that it is not near both rims. */
 static void add_crossings(contact *s)
 {
     const side *a = &s->a, *b = &s->b;
@@ -110,8 +130,11 @@ static void add_crossings(contact *s)
     }
     pe_vec3 middle = pe_madd(a->cap, t / d2, between);
     pe_vec3 half = pe_scale(sqrt(chord2) / d2, pe_cross(a->c.axis, between));
-    add_rim_point(s, a, b, pe_add(middle, half), feature_of(CROSSING, 0));
-    add_rim_point(s, a, b, pe_sub(middle, half), feature_of(CROSSING, 1));
+    for (int k = 0; k < 2; ++k) {
+        pe_vec3 x = pe_madd(middle, k == 0 ? 1 : -1, half);
+        slide_to_crossing(s, &x);
+        add_rim_point(s, a, b, x, feature_of(CROSSING, k));
+    }
 }
 
 /* Adds the ends of the part of one cylinder's lowest line that lies in the other's cap. */

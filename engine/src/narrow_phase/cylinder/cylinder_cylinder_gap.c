@@ -240,19 +240,26 @@ static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach, int most_
     return (pe_cylinder_gap){.distance = value, .normal = d, .kind = PE_RIMS};
 }
 
-/* Climbs from the best direction, which separates the cylinders. True if g is along the direction
- * that was reached: then that is the only maximum. */
+/* Climbs from the best direction, which separates the cylinders, and from one away from the axes:
+ * next to an axis, rounding may hide growth. True if g is along the direction that was reached: then
+ * that is the only maximum. */
 static bool climb_apart(search *s)
 {
-    pe_cylinder_gap found = climb(s, leave_axis(s, s->best.normal), HUGE_VAL, MANY);
-    view v = look(s, found.normal);
-    pe_vec3 g = gradient_at(s, &v);
-    double along = pe_dot(g, v.d);
-    if (!(pe_length(pe_madd(g, -along, v.d)) <= 1e-12 * along)) {
-        return false;
+    double length;
+    const pe_vec3 best = s->best.normal, across = pe_outward(s->a->axis, s->offset, &length);
+    const pe_vec3 starts[2] = {leave_axis(s, best), moved(best, 1, across)};
+    for (int k = 0; k < 2; ++k) {
+        pe_cylinder_gap found = climb(s, starts[k], HUGE_VAL, MANY);
+        view v = look(s, found.normal);
+        pe_vec3 g = gradient_at(s, &v);
+        double along = pe_dot(g, v.d);
+        if (pe_length(pe_madd(g, -along, v.d)) <= 1e-12 * along) {
+            s->best = is_flat(s) && found.distance <= to_beat(s) ? s->best : found;
+            return true;
+        }
+        offer(s, found.distance, found.normal, PE_RIMS);
     }
-    s->best = is_flat(s) && found.distance <= to_beat(s) ? s->best : found;
-    return true;
+    return false;
 }
 
 /* A square on a face of the cube: its centre. */

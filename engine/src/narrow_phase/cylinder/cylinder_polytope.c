@@ -34,12 +34,18 @@ static facing facing_face(const pe_polytope *p, int index)
     return (facing){p, face, p->corners + face->first_corner, face->corner_count, index};
 }
 
+/* An edge, whether or not it lies across the direction. */
+static facing edge_of(const pe_polytope *p, int index)
+{
+    return (facing){p, NULL, p->edges[index].vertex, 2, p->face_count + index};
+}
+
 static facing facing_edge(const pe_polytope *p, int index, pe_vec3 d)
 {
-    const pe_edge *edge = &p->edges[index];
-    pe_vec3 e = pe_sub(p->vertices[edge->vertex[1]], p->vertices[edge->vertex[0]]);
-    bool across = fabs(pe_dot(e, d)) <= PE_EDGE_CROSSWISE * pe_length(e);
-    return (facing){p, NULL, edge->vertex, across ? 2 : 0, p->face_count + index};
+    facing edge = edge_of(p, index);
+    pe_vec3 e = pe_sub(corner(&edge, 1), corner(&edge, 0));
+    edge.count = fabs(pe_dot(e, d)) <= PE_EDGE_CROSSWISE * pe_length(e) ? 2 : 0;
+    return edge;
 }
 
 /* The edge at the vertex that is most nearly across d, and of those most nearly along the axis. */
@@ -384,15 +390,42 @@ static pe_vec3 corner_below(const contact *s, const pe_polytope *p, int vertex)
     return best;
 }
 
+/* The point of the face, or of the edge, that is nearest to x. */
+static pe_vec3 nearest_in(const facing *f, pe_vec3 x)
+{
+    pe_vec3 best = x;
+    double least = HUGE_VAL;
+    bool inside = f->face != NULL;
+    for (int i = f->face != NULL ? 0 : 1; i < f->count; ++i) {
+        pe_vec3 from = corner(f, i > 0 ? i - 1 : f->count - 1), step = pe_sub(corner(f, i), from);
+        double t = pe_dot(pe_sub(x, from), step) / pe_dot(step, step);
+        pe_vec3 y = pe_madd(from, pe_max(0, pe_min(1, t)), step), away = pe_sub(y, x);
+        double square = pe_dot(away, away);
+        if (square < least) {
+            least = square;
+            best = y;
+        }
+        inside = inside && pe_dot(pe_cross(f->face->normal, step), pe_sub(x, from)) >= 0;
+    }
+    return inside ? pe_madd(x, f->face->offset - pe_dot(f->face->normal, x), f->face->normal)
+                  : best;
+}
+
 /* The point of the cylinder that realises the gap. False if it is not in both shapes, because of
- * the bias towards caps and faces, or because many vertices are equally near. */
+ * the bias towards caps and faces, or because many points are equally near. */
 static bool nearest_point(const contact *s, const pe_meeting_gap *gap, pe_vec3 *x)
 {
     const pe_polytope *p = s->facing.p;
     const pe_cylinder *c = s->c;
     if (gap->kind == PE_FACE_CYLINDER || gap->kind == PE_EDGE_RIM) {
         *x = pe_cylinder_support(c, pe_scale(-1, s->d));
-        return gap->kind == PE_EDGE_RIM || is_in_face(s, *x);
+        if (gap->kind == PE_FACE_CYLINDER) {
+            return is_in_face(s, *x);
+        }
+        const facing edge = edge_of(p, gap->index);
+        pe_vec3 opposite = pe_madd(*x, -s->gap, s->d);
+        return pe_length(pe_sub(nearest_in(&edge, opposite), opposite)) <=
+               PE_CYLINDER_TIE * s->list.size;
     }
     pe_vec3 v;
     if (gap->kind == PE_EDGE_SIDE) {
@@ -403,6 +436,40 @@ static bool nearest_point(const contact *s, const pe_meeting_gap *gap, pe_vec3 *
     *x = pe_madd(v, gap->distance, s->d);
     pe_vec3 out = pe_across(c->axis, pe_sub(*x, c->centre));
     return is_between_caps(s, *x) && pe_length(out) <= c->radius + PE_CYLINDER_TIE * s->list.size;
+}
+
+/* Moves x to where the cylinder meets the face or edge when that is moved by the gap, by alternate
+ * projection. Returns how far apart they are there, m. */
+static double meet(const contact *s, const facing *f, pe_vec3 *x)
+{
+    enum { MOST = 40 };
+    const pe_vec3 gap = pe_scale(s->gap, s->d);
+    double apart = HUGE_VAL;
+    for (int i = 0; i < MOST && apart > PE_CYLINDER_EXACT * s->list.size; ++i) {
+        pe_vec3 opposite = pe_add(nearest_in(f, pe_sub(*x, gap)), gap);
+        *x = pe_cylinder_nearest(s->c, opposite);
+        apart = pe_length(pe_sub(opposite, *x));
+    }
+    return apart;
+}
+
+/* Of the points where the cylinder meets the face or edge that faces it, or the edge of the gap, the
+ * best one. It is searched from x and from the cylinder's centre. */
+static pe_vec3 best_meeting(const contact *s, const pe_meeting_gap *gap, pe_vec3 x)
+{
+    const bool at_edge = gap->kind == PE_EDGE_SIDE || gap->kind == PE_EDGE_RIM;
+    const facing features[2] = {s->facing, at_edge ? edge_of(s->facing.p, gap->index) : s->facing};
+    const pe_vec3 starts[2] = {x, s->c->centre};
+    double least = HUGE_VAL;
+    for (int k = 0; k < 4 && least > PE_CYLINDER_EXACT * s->list.size; ++k) {
+        pe_vec3 y = starts[k / 2];
+        double apart = features[k % 2].count > 0 ? meet(s, &features[k % 2], &y) : HUGE_VAL;
+        if (apart < least) {
+            least = apart;
+            x = y;
+        }
+    }
+    return x;
 }
 
 /* False if the point that realises the gap is not in both shapes. Then it is added only
@@ -431,6 +498,7 @@ static bool add_points(contact *s, const pe_meeting_gap *gap, bool at_any_rate)
     }
     bool sound = nearest_point(s, gap, &nearest);
     if (sound || at_any_rate) {
+        nearest = sound ? nearest : best_meeting(s, gap, nearest);
         pe_point_list_add(&s->list, nearest, gap->distance - s->radius,
                           pe_cylinder_feature(NEAREST, 0, 0));
     }
