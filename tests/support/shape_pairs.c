@@ -456,6 +456,34 @@ static void make_concentric(pair *p, check_random *random)
     place(&p->b, p->a.pose.position, p->b.pose.orientation);
 }
 
+/* Of either sign, or 0. */
+static double little(check_random *random)
+{
+    const double size = log_uniform(random, 1e-12, 1), choice[] = {0, size, size, -size};
+    return choice[random_index(random, 4)];
+}
+
+/* Axes parallel or nearly; b is above a along one of a's axes and beside it along another. */
+static void make_ledge(pair *p, check_random *random)
+{
+    pe_quat turn = axis_turn(random);
+    if (random_index(random, 2) == 1) {
+        turn = pe_quat_product(small_turn(random), turn);
+    }
+    place(&p->b, p->a.pose.position, pe_quat_product(p->a.pose.orientation, turn));
+    pe_vec3 e = extent_in(&p->a, &p->a), h = extent_in(&p->a, &p->b);
+    int above = p->a.solid->size > 0 ? random_index(random, 3) : 2;
+    int beside = (above + 1 + random_index(random, 2)) % 3;
+    double shift[3];
+    for (int k = 0; k < 3; ++k) {
+        double sum = pe_component(e, k) + pe_component(h, k);
+        double anywhere = random_index(random, 2) * check_uniform(random, -sum, sum);
+        shift[k] = k == above || k == beside ? sum + p->size * little(random) : anywhere;
+    }
+    pe_vec3 by = pe_rotate(&p->a.pose.rotation, pe_v3(shift[0], shift[1], shift[2]));
+    place(&p->b, pe_add(p->a.pose.position, by), p->b.pose.orientation);
+}
+
 pair random_pair(const shape_pool *pool, pe_shape_kind a, pe_shape_kind b, pair_pose pose,
                  check_random *random, pair_gap *gap)
 {
@@ -494,6 +522,9 @@ pair random_pair(const shape_pool *pool, pe_shape_kind a, pe_shape_kind b, pair_
         break;
     case POSE_CONCENTRIC:
         make_concentric(&p, random);
+        break;
+    case POSE_LEDGE:
+        make_ledge(&p, random);
         break;
     default:
         break;

@@ -68,6 +68,7 @@ typedef enum pair_pose {
     POSE_FAR,        /* gap of up to a hundred times the reach */
     POSE_ALIGNED,    /* axes parallel, or nearly, faces, edges or centres in line, near touching */
     POSE_CONCENTRIC, /* centres coincident, axes at random, parallel or nearly */
+    POSE_LEDGE,      /* above the other's rim, which is overhung or missed by little or nothing */
     POSE_COUNT
 } pair_pose;
 

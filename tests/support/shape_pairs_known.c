@@ -14,6 +14,7 @@ typedef struct known {
 static const known table[] = {
     {"is_continuous", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 1},
     {"is_continuous", PE_SHAPE_HULL, PE_SHAPE_MESH, 1},
+    {"scales", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 1},
     {"keeps_points_over_the_range", PE_SHAPE_MESH, PE_SHAPE_MESH, 1},
     {"keeps_its_features", PE_SHAPE_BOX, PE_SHAPE_BOX, 7},
     {"keeps_its_features", PE_SHAPE_BOX, PE_SHAPE_HULL, 9},

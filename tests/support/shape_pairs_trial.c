@@ -83,8 +83,8 @@ double true_gap(const pair *p, pe_vec3 *normal)
 
 static const char *const kind_names[] = {"plane",    "sphere", "box", "capsule",
                                          "cylinder", "hull",   "mesh"};
-static const char *const pose_names[] = {"any",   "deep", "shallow", "touching",
-                                         "close", "far",  "aligned", "concentric"};
+static const char *const pose_names[] = {"any", "deep",    "shallow",    "touching", "close",
+                                         "far", "aligned", "concentric", "ledge"};
 
 /* Each pose can be reproduced alone. */
 static uint64_t seed_of(pe_shape_kind a, pe_shape_kind b, int index)
@@ -110,7 +110,8 @@ static double margin_of(const trial *t)
 {
     bool convex = t->pair.a.solid->convex && t->pair.b.solid->convex;
     bool inside = t->pose == POSE_DEEP || t->pose == POSE_CONCENTRIC;
-    bool anywhere = t->pose == POSE_ANY || t->pose == POSE_FAR || (inside && !convex);
+    bool anywhere =
+        t->pose == POSE_ANY || t->pose == POSE_FAR || (inside && !convex) || t->pose == POSE_LEDGE;
     return anywhere ? wide(&t->pair) : 0.2 * t->pair.size;
 }
 

@@ -4,8 +4,8 @@
  * cap, or of the lowest line of its side, whichever faces the other shape, and the face, edge or
  * vertex there, as seen along the direction. On a cap these are the ends of the straight bounds of
  * the overlap, the lowest point of the cap, and four points of the rim in directions that stay with
- * the other shape, for the cap may spin. A capsule is its segment, with its radius taken off the
- * gap. */
+ * the other shape, for the cap may spin. Where none of them realises the gap, the point that does is
+ * added. A capsule is its segment, with its radius taken off the gap. */
 #include "cylinder_gap.h"
 #include "narrow_phase/feature_id.h"
 #include "narrow_phase/points.h"
@@ -419,13 +419,13 @@ static bool nearest_point(const contact *s, const pe_meeting_gap *gap, pe_vec3 *
     const pe_cylinder *c = s->c;
     if (gap->kind == PE_FACE_CYLINDER || gap->kind == PE_EDGE_RIM) {
         *x = pe_cylinder_support(c, pe_scale(-1, s->d));
-        if (gap->kind == PE_FACE_CYLINDER) {
-            return is_in_face(s, *x);
+        if (gap->kind == PE_EDGE_RIM) {
+            const facing edge = edge_of(p, gap->index);
+            pe_vec3 opposite = pe_madd(*x, -s->gap, s->d);
+            double beside = pe_length(pe_sub(nearest_in(&edge, opposite), opposite));
+            return beside <= PE_CYLINDER_TIE * s->list.size;
         }
-        const facing edge = edge_of(p, gap->index);
-        pe_vec3 opposite = pe_madd(*x, -s->gap, s->d);
-        return pe_length(pe_sub(nearest_in(&edge, opposite), opposite)) <=
-               PE_CYLINDER_TIE * s->list.size;
+        return is_in_face(s, *x);
     }
     pe_vec3 v;
     if (gap->kind == PE_EDGE_SIDE) {
