@@ -9,8 +9,9 @@ typedef struct known {
     int poses;
 } known;
 
-/* Of 2,500 poses (keeps_its_features) or 25,000. The causes with a mesh: two equal tori one on the other; and overlaps by more than the
- * tube. Feature ids change for a corner or the end of a core exactly over an edge. */
+/* Of 2,500 poses (keeps_its_features) or 25,000. The causes with a mesh: two equal tori one on the
+ * other; overlaps by more than the tube; and an L-shaped solid wholly inside a cylinder. Feature ids
+ * change for a corner or the end of a core exactly over an edge. */
 static const known table[] = {
     {"is_continuous", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 1},
     {"is_continuous", PE_SHAPE_HULL, PE_SHAPE_MESH, 1},
