@@ -104,7 +104,7 @@ static void slide_to_crossing(const contact *s, pe_vec3 *x)
         pe_vec3 arm = pe_sub(*x, a->cap), along = pe_cross(a->c.axis, arm);
         pe_vec3 from = pe_sub(pe_madd(*x, to_cap(b, *x), b->toward), b->cap);
         double distance = pe_length(from), beyond = distance - b->c.radius;
-        /* Of the squared distance, half its growth along the rim. */
+        /* Half of how fast the squared distance grows along the rim. */
         double growth =
             pe_dot(pe_madd(along, -pe_dot(along, b->c.axis) / b->rise, b->toward), from);
         if (fabs(beyond) <= PE_CYLINDER_EXACT * s->list.size || growth == 0) {
