@@ -463,7 +463,7 @@ static double little(check_random *random)
     return choice[random_index(random, 4)];
 }
 
-/* Axes parallel or nearly; b is above a along one of a's axes and beside it along another. */
+/* Axes parallel or nearly. b is above a along one of a's axes and next to it along another. */
 static void make_ledge(pair *p, check_random *random)
 {
     pe_quat turn = axis_turn(random);
