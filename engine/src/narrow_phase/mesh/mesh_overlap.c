@@ -323,6 +323,19 @@ static uint64_t feature_of_curve(const pe_solid_pair *pair, const curve *c, cons
     return feature;
 }
 
+/* Whether x, or a point next to it along n, is in both solids. The curve around a part that sticks
+ * out of one face has its centre on that face, where rounding decides. */
+static bool is_in_both(const pe_solid_pair *pair, pe_vec3 x, pe_vec3 n)
+{
+    bool in_both = false;
+    for (int i = 0; i < 3 && !in_both; ++i) {
+        pe_vec3 y = pe_madd(x, i == 0 ? 0 : i == 1 ? pair->slack : -pair->slack, n);
+        in_both = pe_solid_contains(&pair->b, y) &&
+                  pe_solid_contains(&pair->a, pe_transform_back(&pair->trees.a_in_b, y));
+    }
+    return in_both;
+}
+
 /* Adds the touch of the curve with the first segment `first`. False: it has no direction. */
 static bool part_by_curve(const pe_solid_pair *pair, const segments *s, int first, pe_touches *list)
 {
@@ -336,8 +349,7 @@ static bool part_by_curve(const pe_solid_pair *pair, const segments *s, int firs
     if (!(most > 0)) {
         return false;
     }
-    bool in_both = pe_solid_contains(&pair->b, c.centre) &&
-                   pe_solid_contains(&pair->a, pe_transform_back(&pair->trees.a_in_b, c.centre));
+    bool in_both = is_in_both(pair, c.centre, n);
     pe_touch touch = touch_at(pair, n, most, in_both ? c.centre : s->items[first].p);
     for (int i = first + 1; i < s->count && !in_both; ++i) {
         if (s->items[i].curve == first) {

@@ -174,17 +174,30 @@ static bool is_past_a_corner(const pe_facet *facet, const bool beyond[3], pe_vec
     return false;
 }
 
-bool pe_facet_contains(const pe_facet *facet, pe_vec3 x, double slack)
+/* Whether x is over the facet, or beyond its rim by at most `slack` at an edge of the solid, and by
+ * `seam` between triangles of one face. */
+static bool contains(const pe_facet *facet, pe_vec3 x, double slack, double seam)
 {
     bool beyond[3];
     for (int k = 0; k < 3; ++k) {
         double length2, in = inset(facet, k, x, &length2);
+        double most = facet->edges[k] >= 0 ? slack : seam;
         beyond[k] = in < 0;
-        if (beyond[k] && in * in > slack * slack * length2) {
+        if (beyond[k] && in * in > most * most * length2) {
             return false;
         }
     }
-    return !is_past_a_corner(facet, beyond, x, slack);
+    return !is_past_a_corner(facet, beyond, x, seam);
+}
+
+bool pe_facet_contains(const pe_facet *facet, pe_vec3 x, double slack)
+{
+    return contains(facet, x, slack, slack);
+}
+
+bool pe_facet_covers(const pe_facet *facet, pe_vec3 x, double seam)
+{
+    return contains(facet, x, 0, seam);
 }
 
 /* Whether x is behind the face of the solid, but by no more than `past`. */

@@ -247,7 +247,7 @@ static void offer_vertices(search *s, pe_touch_kind kind, const pe_facet *of, co
 {
     for (int k = 0; k < 3; ++k) {
         if (pe_facet_owns_corner(of, k) && fabs(height[k]) < s->bound &&
-            pe_facet_contains(over, of->x[k], 0)) {
+            pe_facet_covers(over, of->x[k], s->pair->slack)) {
             pe_touch touch = pe_touch_on_face(kind, of->vertices[k], of->x[k], over, height[k]);
             offer(s, &touch, fabs(height[k]), height[k] < 0);
         }

@@ -116,7 +116,7 @@ bool pe_solid_contains(const pe_solid *solid, pe_vec3 x)
     pe_facet_walk walk;
     pe_facet facet;
     pe_walk_near_point(solid, x, &walk);
-    while (pe_walk_next(&walk, bound, &facet)) {
+    while (pe_walk_next(&walk, bound * (1 + PE_SURFACE_TIE), &facet)) {
         pe_vec3 d = pe_sub(x, nearest_on_facet(&facet, x));
         double distance = pe_length(d), h = pe_dot(facet.normal, d);
         double steep = distance > 0 ? fabs(h) / distance : 1;
@@ -195,7 +195,7 @@ bool pe_solid_blocks(const pe_solid *solid, pe_vec3 x, pe_vec3 d, int face, doub
         bool crosses = (from > slack && to < -slack) || (from < -slack && to > slack);
         /* The point of crossing decides, not its projection. */
         if (crosses && facet.face != face &&
-            pe_facet_contains(&facet, pe_madd(x, from / (from - to), d), 0) &&
+            pe_facet_covers(&facet, pe_madd(x, from / (from - to), d), slack) &&
             !are_neighbours(solid, &facet, face)) {
             return true;
         }
