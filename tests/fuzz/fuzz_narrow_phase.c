@@ -84,7 +84,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (b == PE_SHAPE_PLANE) {
         return 0;
     }
-    /* Ledges are left to the tests: a search finds the two deviations there that LIMITS.md names. */
+    /* Ledges are left to the tests: a search finds the deviation of box edges that LIMITS.md names. */
     trial t = {.pool = pool, .pose = (pair_pose)(data[2] % POSE_LEDGE)};
     memcpy(&t.random.state, data + 3, sizeof t.random.state);
     t.random.state |= 1;

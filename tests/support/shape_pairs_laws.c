@@ -37,7 +37,8 @@ static bool query(trial *t, manifolds *found, const pe_pair_point **point, pe_ve
 
 static bool has_flat_faces(const placed *p)
 {
-    return p->shape.kind == PE_SHAPE_BOX || p->shape.kind == PE_SHAPE_HULL;
+    return p->shape.kind == PE_SHAPE_BOX || p->shape.kind == PE_SHAPE_HULL ||
+           p->shape.kind == PE_SHAPE_MESH;
 }
 
 /* The largest true distance of a pair for which the engine reports this separation. The engine takes a
@@ -99,7 +100,8 @@ bool equals_brute_force(trial *t)
         return fails(t, "least separation, too large", point->separation, distance.high);
     }
     /* This near, rounding decides whether they overlap. */
-    return distance.low <= t->tolerance || point->separation >= distance.low - t->tolerance ||
+    return distance.low <= t->tolerance ||
+           most_distance(t, point->separation) >= distance.low - t->tolerance ||
            fails(t, "least separation, too small", point->separation, distance.low);
 }
 

@@ -37,6 +37,8 @@
 #define PE_EDGES_PARALLEL 1e-12
 /* Squared sine of the angle between the axes of two capsules below which they are parallel. */
 #define PE_SEGMENTS_PARALLEL2 1e-24
+/* Squared sine of the angle of two edges of meshes below which their nearest points lose digits. */
+#define PE_SEGMENTS_NEAR_PARALLEL2 1e-6
 
 /* Relative: the distance and its lower bound agree in the GJK descent. */
 #define PE_GJK_AGREE 1e-15
@@ -118,6 +120,9 @@
 
 /* Length: a point this far beyond the rim of a face still lies on the face. */
 #define PE_MESH_SLACK 6e-9
+/* Length: the same for a point beyond the border of two triangles of one face, which rounding may
+ * put outside both. */
+#define PE_MESH_SEAM 1e-12
 /* Length: an overlap deeper than this is found from the vertices that lie inside, not from features
  * within reach. A vertex that far behind a dent at the rim of a face is still over that face. */
 #define PE_MESH_DEPTH 0.05

@@ -174,8 +174,12 @@ static bool is_past_a_corner(const pe_facet *facet, const bool beyond[3], pe_vec
     return false;
 }
 
+/* How far, in units of the slack, a point may lie beyond the border of two triangles of one face. The
+ * other triangle has what lies farther. */
+static const double SEAM = PE_MESH_SEAM / PE_MESH_SLACK;
+
 /* Whether x is over the facet, or beyond its rim by at most `slack` at an edge of the solid, and by
- * `seam` between triangles of one face. */
+ * `seam` at a border inside a face. */
 static bool contains(const pe_facet *facet, pe_vec3 x, double slack, double seam)
 {
     bool beyond[3];
@@ -187,17 +191,17 @@ static bool contains(const pe_facet *facet, pe_vec3 x, double slack, double seam
             return false;
         }
     }
-    return !is_past_a_corner(facet, beyond, x, seam);
+    return !is_past_a_corner(facet, beyond, x, pe_max(slack, seam));
 }
 
 bool pe_facet_contains(const pe_facet *facet, pe_vec3 x, double slack)
 {
-    return contains(facet, x, slack, slack);
+    return contains(facet, x, slack, SEAM * slack);
 }
 
-bool pe_facet_covers(const pe_facet *facet, pe_vec3 x, double seam)
+bool pe_facet_covers(const pe_facet *facet, pe_vec3 x, double slack)
 {
-    return contains(facet, x, 0, seam);
+    return contains(facet, x, 0, SEAM * slack);
 }
 
 /* Whether x is behind the face of the solid, but by no more than `past`. */
@@ -222,7 +226,8 @@ pe_facet_side pe_facet_contains_dented(const pe_solid *solid, const pe_transform
         }
         const pe_edge *edge = facet->edges[k] >= 0 ? &solid->edges[facet->edges[k]] : NULL;
         if (edge == NULL || edge->convex) {
-            if (in * in > slack * slack * length2) {
+            double most = edge == NULL ? SEAM * slack : slack;
+            if (in < 0 && in * in > most * most * length2) {
                 return PE_OFF_FACET;
             }
             continue;
@@ -321,10 +326,15 @@ void pe_segments_nearest(pe_vec3 x, pe_vec3 u, pe_vec3 y, pe_vec3 v, double *s, 
     pe_vec3 d = pe_sub(y, x);
     double uu = pe_dot(u, u), vv = pe_dot(v, v), uv = pe_dot(u, v);
     double du = pe_dot(d, u), dv = pe_dot(d, v);
-    double det = uu * vv - uv * uv;
+    double det = uu * vv - uv * uv, above = du * vv - dv * uv;
+    if (det < PE_SEGMENTS_NEAR_PARALLEL2 * uu * vv) { /* the same without loss of digits */
+        pe_vec3 c = pe_cross(u, v);
+        det = pe_dot(c, c);
+        above = pe_dot(pe_cross(d, v), c);
+    }
     /* The best s for the whole second line, then the best t for that s. If t is clamped to its
      * segment, the best s for that end. */
-    *s = det > 0 ? clamp01((du * vv - dv * uv) / det) : 0;
+    *s = det > 0 ? clamp01(above / det) : 0;
     double best = vv > 0 ? (*s * uv - dv) / vv : 0;
     *t = clamp01(best);
     if (best != *t || !(det > 0)) {

@@ -76,12 +76,12 @@ void pe_solid_facet_placed(const pe_solid *solid, const pe_transform *placed, in
 /* Fills the facet's ridges, if not done before. `placed`: as it was made; NULL: not placed. */
 void pe_facet_ridges(const pe_solid *solid, const pe_transform *placed, pe_facet *facet);
 
-/* Whether x, projected onto the facet's plane, lies on it or at most `slack` beyond its rim. */
+/* Whether x, projected onto the facet's plane, lies on it or at most `slack` beyond its rim. Beyond a
+ * border inside a face only rounding counts: the next triangle has the point. */
 bool pe_facet_contains(const pe_facet *facet, pe_vec3 x, double slack);
 
-/* Whether x, projected onto the facet's plane, lies on it or at most `seam` beyond its border with a
- * triangle of the same face: rounding may put a point over the border outside both. */
-bool pe_facet_covers(const pe_facet *facet, pe_vec3 x, double seam);
+/* The same without slack beyond edges of the solid: only for rounding at borders inside a face. */
+bool pe_facet_covers(const pe_facet *facet, pe_vec3 x, double slack);
 
 /* Where a point lies when it is projected onto the plane of a facet. */
 typedef enum pe_facet_side { PE_OFF_FACET, PE_ON_FACET, PE_BEHIND_DENT } pe_facet_side;
