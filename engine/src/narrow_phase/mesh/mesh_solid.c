@@ -159,19 +159,14 @@ static double inset(const pe_facet *facet, int k, pe_vec3 x, double *length2)
     return pe_dot(pe_cross(facet->normal, u), pe_sub(x, from));
 }
 
-/* Whether x, beyond the marked sides and seen along the normal, is farther from their corner than a
- * point beyond both sides of a right angle by the slack. At a sharp corner both lines are near even
- * far away. */
-static bool is_past_a_corner(const pe_facet *facet, const bool beyond[3], pe_vec3 x, double slack)
+/* Whether x, seen along the normal, is past an end of the side from corner k. At a sharp corner the
+ * lines of both sides are near even far away. */
+static bool is_past_an_end(const pe_facet *facet, int k, pe_vec3 x, double slack)
 {
-    for (int k = 0; k < 3; ++k) {
-        if (beyond[k] && beyond[k > 0 ? k - 1 : 2]) {
-            pe_vec3 d = pe_sub(x, facet->x[k]);
-            double height = pe_dot(facet->normal, d);
-            return pe_dot(d, d) - height * height > 2 * slack * slack;
-        }
-    }
-    return false;
+    pe_vec3 from = facet->x[k], u = pe_sub(facet->x[k < 2 ? k + 1 : 0], from);
+    double along = pe_dot(u, pe_sub(x, from)), length2 = pe_dot(u, u);
+    double past = pe_max(-along, along - length2);
+    return past > 0 && past * past > slack * slack * length2;
 }
 
 /* How far, in units of the slack, a point may lie beyond the border of two triangles of one face. The
@@ -182,16 +177,15 @@ static const double SEAM = PE_MESH_SEAM / PE_MESH_SLACK;
  * `seam` at a border inside a face. */
 static bool contains(const pe_facet *facet, pe_vec3 x, double slack, double seam)
 {
-    bool beyond[3];
     for (int k = 0; k < 3; ++k) {
         double length2, in = inset(facet, k, x, &length2);
         double most = facet->edges[k] >= 0 ? slack : seam;
-        beyond[k] = in < 0;
-        if (beyond[k] && in * in > most * most * length2) {
+        if (in < 0 &&
+            (in * in > most * most * length2 || is_past_an_end(facet, k, x, pe_max(slack, seam)))) {
             return false;
         }
     }
-    return !is_past_a_corner(facet, beyond, x, pe_max(slack, seam));
+    return true;
 }
 
 bool pe_facet_contains(const pe_facet *facet, pe_vec3 x, double slack)
@@ -216,18 +210,17 @@ static bool is_behind(const pe_solid *solid, const pe_transform *placed, int fac
 pe_facet_side pe_facet_contains_dented(const pe_solid *solid, const pe_transform *placed,
                                        const pe_facet *facet, pe_vec3 x, double slack, double past)
 {
-    bool beyond[3], dent = false;
+    bool dent = false;
     past = pe_max(past, slack);
     for (int k = 0; k < 3; ++k) {
         double length2, in = inset(facet, k, x, &length2);
-        beyond[k] = in < 0;
         if (in > 0 && in * in > slack * slack * length2) {
             continue;
         }
         const pe_edge *edge = facet->edges[k] >= 0 ? &solid->edges[facet->edges[k]] : NULL;
         if (edge == NULL || edge->convex) {
             double most = edge == NULL ? SEAM * slack : slack;
-            if (in < 0 && in * in > most * most * length2) {
+            if (in < 0 && (in * in > most * most * length2 || is_past_an_end(facet, k, x, slack))) {
                 return PE_OFF_FACET;
             }
             continue;
@@ -237,11 +230,8 @@ pe_facet_side pe_facet_contains_dented(const pe_solid *solid, const pe_transform
             return PE_OFF_FACET;
         }
         dent = true;
-        beyond[k] = false;
     }
-    return is_past_a_corner(facet, beyond, x, slack) ? PE_OFF_FACET
-           : dent                                    ? PE_BEHIND_DENT
-                                                     : PE_ON_FACET;
+    return dent ? PE_BEHIND_DENT : PE_ON_FACET;
 }
 
 /* The heights of the corners of `of` over the plane of `over`. */
