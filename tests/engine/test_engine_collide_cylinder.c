@@ -272,9 +272,25 @@ static void test_side_touching_cap_at_rim_has_that_point(void **state)
     }
 }
 
+/* Axes parallel to 2e-12, the rims 1.74e-7 m beside each other and 3.5e-8 m apart in height. The distance is
+ * that of the rims, as the reference search of the pair tests finds it. */
+static void test_distance_of_rims_of_nearly_parallel_cylinders(void **state)
+{
+    (void)state;
+    placed_shape a = cylinder(0.018958415760785243, 0.35986334085133875), b = a;
+    place(&a, pe_v3(0, 0, 0), (pe_quat){.w = 1});
+    place(&b, pe_v3(-0.037883744399432193, 0.0015878263023025019, 0.7197267163462252),
+          (pe_quat){0.76604681474960545, -3.0004360122070402e-13, -9.5486258749437605e-13,
+                    -0.64278478327662991});
+    pe_pair_manifold manifold;
+    collide_convex(of(&a), of(&b), 1e-3, &manifold);
+    assert_close(least_separation(&manifold), 1.7708334059797775e-07, 1e-12, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_distance_of_rims_of_nearly_parallel_cylinders),
         cmocka_unit_test(test_sphere_cylinder_separation_equals_dense_direction_sweep),
         cmocka_unit_test(test_box_cylinder_separation_equals_dense_direction_sweep),
         cmocka_unit_test(test_capsule_cylinder_separation_equals_dense_direction_sweep),

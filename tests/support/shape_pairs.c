@@ -312,6 +312,13 @@ static pe_quat small_turn(check_random *random)
     return (pe_quat){1, axis.x, axis.y, axis.z};
 }
 
+/* A turn that maps axes to axes, or nearly. */
+static pe_quat parallel_turn(check_random *random)
+{
+    pe_quat turn = axis_turn(random);
+    return random_index(random, 2) == 1 ? pe_quat_product(small_turn(random), turn) : turn;
+}
+
 /* Half the box along the axes of a around one of the two, 1 each way for a plane. */
 static pe_vec3 extent_in(const placed *a, const placed *p)
 {
@@ -435,10 +442,7 @@ void pair_rest(pair *p, check_random *random, pair_gap *gap)
 
 static void make_aligned(pair *p, check_random *random, pair_gap *gap)
 {
-    pe_quat turn = axis_turn(random);
-    if (random_index(random, 2) == 1) {
-        turn = pe_quat_product(small_turn(random), turn);
-    }
+    pe_quat turn = parallel_turn(random);
     align(p, turn, random);
     const double wanted[] = {0, 0, 1e-3, -1e-3, -0.1};
     part_to(p, wanted[random_index(random, 5)] * p->size, gap);
@@ -466,10 +470,7 @@ static double little(check_random *random)
 /* Axes parallel or nearly. b is above a along one of a's axes and next to it along another. */
 static void make_ledge(pair *p, check_random *random)
 {
-    pe_quat turn = axis_turn(random);
-    if (random_index(random, 2) == 1) {
-        turn = pe_quat_product(small_turn(random), turn);
-    }
+    pe_quat turn = parallel_turn(random);
     place(&p->b, p->a.pose.position, pe_quat_product(p->a.pose.orientation, turn));
     pe_vec3 e = extent_in(&p->a, &p->a), h = extent_in(&p->a, &p->b);
     int above = p->a.solid->size > 0 ? random_index(random, 3) : 2;
