@@ -287,10 +287,40 @@ static void test_distance_of_rims_of_nearly_parallel_cylinders(void **state)
     assert_close(least_separation(&manifold), 1.7708334059797775e-07, 1e-12, 0);
 }
 
+/* The distance (m) of x from the cylinder. */
+static double off_cylinder(const placed_shape *c, pe_vec3 x)
+{
+    pe_vec3 y = pe_unrotate(&c->pose.rotation, pe_sub(x, c->pose.position));
+    return hypot(pe_max(0, hypot(y.x, y.y) - c->shape.radius),
+                 pe_max(0, fabs(y.z) - c->shape.half_height));
+}
+
+/* Caps tilted by 5e-5, which overlap in a narrow lens: the rims do not cross as circles in one plane. */
+static void test_points_of_tilted_caps_lie_on_both(void **state)
+{
+    (void)state;
+    placed_shape a = cylinder(0.35645697253112651, 2.9161521320993193),
+                 b = cylinder(0.11458524235050681, 0.016518732863353782);
+    place(&a, pe_v3(0, 0, 0), (pe_quat){1, 0, 0, 0});
+    place(&b, pe_v3(0.47076758300501936, 4.5419069968300222e-07, 2.9326709043535213),
+          (pe_quat){0.7365199622587002, -2.3069398933480806e-05, -4.7948708780319349e-06,
+                    0.67641580750249686});
+    pe_pair_manifold manifold;
+    collide_convex(of(&a), of(&b), 1, &manifold);
+    assert_true(manifold.count > 1);
+    for (int i = 0; i < manifold.count; ++i) {
+        const pe_pair_point *p = &manifold.item[i];
+        double half = 0.5 * p->separation;
+        assert_at_most(off_cylinder(&a, pe_madd(p->position, -half, manifold.normal)), 1e-9);
+        assert_at_most(off_cylinder(&b, pe_madd(p->position, half, manifold.normal)), 1e-9);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_distance_of_rims_of_nearly_parallel_cylinders),
+        cmocka_unit_test(test_points_of_tilted_caps_lie_on_both),
         cmocka_unit_test(test_sphere_cylinder_separation_equals_dense_direction_sweep),
         cmocka_unit_test(test_box_cylinder_separation_equals_dense_direction_sweep),
         cmocka_unit_test(test_capsule_cylinder_separation_equals_dense_direction_sweep),
