@@ -425,6 +425,11 @@ pe_separation pe_polytope_distance(const pe_polytope_pair *pair, const pe_separa
             found.distance = distance;
         }
     }
+    /* Where edges nearly touch, directions that differ by rounding are equally near, and the
+     * descent ends at one along which other corners are nearer. */
+    if (found.distance < pe_length(s.nearest) - PE_AXIS_TIE * pair->size) {
+        pe_polytope_best_edges(pair, HUGE_VAL, &found);
+    }
     found.kind = PE_OF_POINTS;
     found.ends_a[0] = found.ends_a[1] = c[0].a;
     found.ends_b[0] = found.ends_b[1] = c[0].b;

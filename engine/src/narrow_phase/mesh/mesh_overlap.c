@@ -229,7 +229,9 @@ static void add_segment(void *context, const pe_crossing *c)
     segments *s = context;
     pe_vec3 along = pe_cross(c->a->normal, c->b->normal);
     int first = 0, last = 0;
-    for (int i = 1; i < c->count; ++i) {
+    /* Of two faces in one plane the direction is rounding. Their borders cross other faces there. */
+    const bool crosses = pe_dot(along, along) > PE_LEAST_RISE * PE_LEAST_RISE;
+    for (int i = 1; i < c->count && crosses; ++i) {
         first = pe_dot(along, c->where[i]) < pe_dot(along, c->where[first]) ? i : first;
         last = pe_dot(along, c->where[i]) > pe_dot(along, c->where[last]) ? i : last;
     }
@@ -269,9 +271,11 @@ typedef struct curve {
     int face_a, face_b; /* of the segment with the lowest numbers */
 } curve;
 
+/* Where faces of both solids lie in one plane, the curve need not be closed. Its area is therefore
+ * taken about its centre, so that it does not depend on the segment that comes first. */
 static curve measure_curve(const segments *s, int first)
 {
-    pe_vec3 origin = s->items[first].p;
+    pe_vec3 origin = s->items[first].p, open = {0, 0, 0};
     curve c = {.face_a = s->items[first].face_a, .face_b = s->items[first].face_b};
     for (int i = first; i < s->count; ++i) {
         const segment *one = &s->items[i];
@@ -281,6 +285,7 @@ static curve measure_curve(const segments *s, int first)
         pe_vec3 p = pe_sub(one->p, origin), q = pe_sub(one->q, origin);
         double length = pe_length(pe_sub(q, p));
         c.area = pe_madd(c.area, 0.5, pe_cross(p, q));
+        open = pe_add(open, pe_sub(q, p));
         c.centre = pe_madd(c.centre, 0.5 * length, pe_add(p, q));
         c.length += length;
         if (one->face_a < c.face_a || (one->face_a == c.face_a && one->face_b < c.face_b)) {
@@ -288,7 +293,9 @@ static curve measure_curve(const segments *s, int first)
             c.face_b = one->face_b;
         }
     }
-    c.centre = c.length > 0 ? pe_madd(origin, 1 / c.length, c.centre) : origin;
+    pe_vec3 centre = pe_scale(c.length > 0 ? 1 / c.length : 0, c.centre);
+    c.area = pe_madd(c.area, -0.5, pe_cross(centre, open));
+    c.centre = pe_add(origin, centre);
     return c;
 }
 
