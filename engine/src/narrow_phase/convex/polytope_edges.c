@@ -211,6 +211,9 @@ void pe_polytope_add_nearest(const pe_polytope_pair *pair, const pe_separation *
         touching_line(pair, s, &w, found);
     }
     if (found->least > least) {
+        if (pair->a.vertex_count == 1 || pair->b.vertex_count == 1) {
+            pe_candidates_clear(found); /* a ball has one point */
+        }
         add_witness(pair, s, &w, found);
     }
 }

@@ -112,16 +112,18 @@ bool pe_solid_contains(const pe_solid *solid, pe_vec3 x)
     if (fabs(in.x) > root->half.x || fabs(in.y) > root->half.y || fabs(in.z) > root->half.z) {
         return false;
     }
+    const double rounding =
+        PE_COORDINATE_ROUNDING * (pe_length(root->centre) + pe_length(root->half));
     double bound = HUGE_VAL, steepest = 0, height = 0;
     pe_facet_walk walk;
     pe_facet facet;
     pe_walk_near_point(solid, x, &walk);
-    while (pe_walk_next(&walk, bound * (1 + PE_SURFACE_TIE), &facet)) {
+    while (pe_walk_next(&walk, bound * (1 + PE_SURFACE_TIE) + rounding, &facet)) {
         pe_vec3 d = pe_sub(x, nearest_on_facet(&facet, x));
         double distance = pe_length(d), h = pe_dot(facet.normal, d);
         double steep = distance > 0 ? fabs(h) / distance : 1;
-        bool nearer = distance < bound * (1 - PE_SURFACE_TIE);
-        if (nearer || (distance <= bound * (1 + PE_SURFACE_TIE) && steep > steepest)) {
+        bool nearer = distance < bound * (1 - PE_SURFACE_TIE) - rounding;
+        if (nearer || (distance <= bound * (1 + PE_SURFACE_TIE) + rounding && steep > steepest)) {
             steepest = steep;
             height = h;
             bound = nearer ? distance : bound;

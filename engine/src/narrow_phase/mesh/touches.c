@@ -174,6 +174,12 @@ static bool same_normal(const pe_touch *t, pe_vec3 n, const pe_manifold_rules *r
     double length = rules->radius + fabs(t->separation), most = PE_ONE_NORMAL;
     if (t->kind > PE_EDGE_EDGE && length > 0) {
         most = pe_min(most, PE_ONE_LINE * rules->size / length);
+    } else if (t->kind == PE_EDGE_EDGE && rules->radius > 0) {
+        /* A turn about the core's edge moves the point along both edges, and may move it past an
+         * end: the farther, the more parallel they are. */
+        double sine = pe_length(pe_cross(t->along_a, t->along_b)) /
+                      (pe_length(t->along_a) * pe_length(t->along_b));
+        most = pe_min(most, PE_ONE_LINE * rules->size / length * sine);
     }
     return pe_dot(t->normal, n) > 0 && pe_dot(c, c) <= most * most;
 }
