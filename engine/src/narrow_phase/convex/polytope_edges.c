@@ -80,8 +80,14 @@ static void add_witness(const pe_polytope_pair *pair, const pe_separation *s, co
 {
     pe_vec3 on_a = pe_madd(w->on_a, pair->a.radius, s->normal);
     pe_vec3 on_b = pe_madd(w->on_b, -pair->b.radius, s->normal);
-    pe_candidates_add(found, pair->pose_a, pe_scale(0.5, pe_add(on_a, on_b)),
-                      pe_dot(s->normal, pe_sub(on_b, on_a)),
+    const double separation = pe_dot(s->normal, pe_sub(on_b, on_a));
+    /* Rounding moves the nearest points sideways, by more the farther apart the cores are. The point
+     * on the sharper shape is used. */
+    const pe_vec3 middle =
+        pair->a.radius < pair->b.radius   ? pe_madd(on_a, 0.5 * separation, s->normal)
+        : pair->b.radius < pair->a.radius ? pe_madd(on_b, -0.5 * separation, s->normal)
+                                          : pe_scale(0.5, pe_add(on_a, on_b));
+    pe_candidates_add(found, pair->pose_a, middle, separation,
                       witness_feature(pair, NEAREST, w->ends_a, w->ends_b));
 }
 

@@ -280,6 +280,16 @@ static double clip_to_face(const contact *s, pe_vec3 x, double end[2])
     return end[1] - end[0];
 }
 
+/* Whether the point lies beside the edge, not past an end, if an edge is all that faces. Where the
+ * line of the side is nearly parallel to it, the two may cross past its ends. */
+static bool is_beside_edge(const contact *s, pe_vec3 x)
+{
+    pe_vec3 v = corner(&s->facing, 0), step = pe_sub(corner(&s->facing, 1), v);
+    double length = pe_length(step), along = pe_dot(pe_sub(x, v), step) / length;
+    double tie = PE_CYLINDER_TIE * s->list.size;
+    return s->facing.count != 2 || (along >= -tie && along <= length + tie);
+}
+
 /* Adds the ends of the part of the side's lowest line that lies over the face. The side is flat
  * enough to move the line by the slack, so that a line right on a bound of a face stays over the
  * face. */
@@ -309,7 +319,9 @@ static void add_line(contact *s)
     }
     for (int k = 0; k < 2 && length >= 0; ++k) {
         pe_vec3 y = pe_madd(x, end[k], c->axis);
-        add(s, y, over_face(s, y), pe_cylinder_feature(LINE_END, 0, k));
+        if (is_beside_edge(s, y)) {
+            add(s, y, over_face(s, y), pe_cylinder_feature(LINE_END, 0, k));
+        }
     }
 }
 
