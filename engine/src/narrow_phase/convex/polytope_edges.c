@@ -27,11 +27,17 @@ typedef struct witness {
 
 enum { NEAREST = 1, END_OF_A, END_OF_B }; /* corners of faces have 0 there */
 
+/* Whether one of the cores is a point: its ball touches at one point. */
+static bool has_ball(const pe_polytope_pair *pair)
+{
+    return pair->a.vertex_count == 1 || pair->b.vertex_count == 1;
+}
+
 static uint64_t witness_feature(const pe_polytope_pair *pair, uint64_t kind, const int a[2],
                                 const int b[2])
 {
-    if (pair->a.vertex_count == 1 || pair->b.vertex_count == 1) {
-        return 0; /* a ball has one point */
+    if (has_ball(pair)) {
+        return 0;
     }
     static const int whole[2] = {0, 1}; /* the end of a capsule's segment makes no difference */
     a = pair->a.face_count == 0 && kind == NEAREST ? whole : a;
@@ -217,8 +223,8 @@ void pe_polytope_add_nearest(const pe_polytope_pair *pair, const pe_separation *
         touching_line(pair, s, &w, found);
     }
     if (found->least > least) {
-        if (pair->a.vertex_count == 1 || pair->b.vertex_count == 1) {
-            pe_candidates_clear(found); /* a ball has one point */
+        if (has_ball(pair)) {
+            pe_candidates_clear(found);
         }
         add_witness(pair, s, &w, found);
     }

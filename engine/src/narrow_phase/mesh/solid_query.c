@@ -103,8 +103,8 @@ static pe_vec3 nearest_on_facet(const pe_facet *facet, pe_vec3 x)
     return best;
 }
 
-/* By the nearest triangle. If several share the nearest point, the one whose normal is most along
- * the line to the point has the right sign. */
+/* By the nearest triangle. If several are equally near to within rounding, the one whose normal is
+ * most along the line to the point has the right sign. */
 bool pe_solid_contains(const pe_solid *solid, pe_vec3 x)
 {
     const pe_node *root = &solid->nodes[0];
