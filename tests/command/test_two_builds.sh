@@ -144,7 +144,7 @@ __attribute__((constructor)) static void load(void)
 END
 small_engine own_symbol.so own_symbol.c
 command=run
-if ! grep -q __asan_init "$PLUMB"; then # the address sanitizer does not allow it
+if ! grep -qE '__(asan|tsan)_init' "$PLUMB"; then # these sanitizers do not allow it
     expect 0 'ok' "${fall[@]}" --engine ./own_symbol.so
 fi
 
