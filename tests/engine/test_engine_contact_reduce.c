@@ -109,12 +109,30 @@ static void test_reducing_points_on_one_line_keeps_the_ends(void **state)
     assert_close(manifold.item[1].position.x, -1, 0, 0);
 }
 
+/* The eight corners of a cube over a plane, as a fast cube has them within its margin. */
+static void test_reduction_prefers_corners_that_touch(void **state)
+{
+    (void)state;
+    pe_pair_manifold manifold = {.normal = {0, 0, 1}, .count = 8};
+    for (uint32_t i = 0; i < 8; ++i) {
+        const pe_vec3 corner = pe_v3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 2 : 0);
+        manifold.item[i] =
+            (pe_pair_point){.position = corner, .separation = corner.z, .feature = 8 - i};
+    }
+    pe_pair_manifold_reduce(&manifold, 1);
+    assert_int_equal(manifold.count, 4);
+    for (int i = 0; i < 4; ++i) {
+        assert_close(manifold.item[i].separation, 0, 0, 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_reduction_keeps_the_deepest_point_and_area),
         cmocka_unit_test(test_reduction_is_stable_under_resting_motion),
         cmocka_unit_test(test_reducing_points_on_one_line_keeps_the_ends),
+        cmocka_unit_test(test_reduction_prefers_corners_that_touch),
     };
     return cmocka_run_group_tests_name("engine_contact_reduce", tests, NULL, NULL);
 }

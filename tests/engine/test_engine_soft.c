@@ -202,35 +202,13 @@ static void test_block_sticks_below_and_slides_above_friction_angle(void **state
     }
 }
 
-static void test_a_ball_bounces_with_newtons_restitution(void **state)
-{
-    (void)state;
-    for (int k = 0; k <= 10; ++k) {
-        double e = 0.1 * k;
-        pe_world_def world_def = pe_world_def_default();
-        world_def.gravity = pe_v3(0, 0, 0);
-        pe_world *world = make_world(&world_def);
-        pe_material_id material = add_material(world, 0, e);
-        add_plane(world, pe_v3(0, 0, 1), material);
-        pe_body_def def = pe_body_def_default();
-        def.position = pe_v3(0, 0, 0.5);
-        def.velocity = pe_v3(0, 0, -3);
-        def.material = material;
-        pe_body_id ball = add_body(world, &def);
-        soft_step(world, H, NULL);
-        assert_close(state_of(world, ball).velocity.z, 3 * e, 1e-12, 0);
-        assert_close(impulse_on(world, ball).z, 3 + 3 * e, 1e-12, 0);
-        pe_world_destroy(world);
-    }
-}
-
 static void test_body_out_of_reach_has_no_effect(void **state)
 {
     (void)state;
     pe_world_def world_def = pe_world_def_default();
     world_def.gravity = pe_v3(0, 0, 0);
     pe_world *world = make_world(&world_def);
-    add_plane(world, pe_v3(0, 0, 1), add_material(world, 0.5, 0.5));
+    add_plane(world, pe_v3(0, 0, 1), add_material(world, 0.5, 0));
     pe_body_def def = pe_body_def_default();
     def.position = pe_v3(0, 0, 0.5 + 3.1 * H);
     def.velocity = pe_v3(1, 0, -3);
@@ -240,10 +218,10 @@ static void test_body_out_of_reach_has_no_effect(void **state)
     assert_close(now.velocity.z, -3, 0, 0);
     assert_close(now.velocity.x, 1, 0, 0);
     assert_close(now.position.z, 0.5 + 0.1 * H, 1e-15, 0);
-    /* The step in which the ball lands ends at the surface or above, not before the contact. */
+    /* In the step in which the ball lands it may close the gap of the step's start, and no more. */
     soft_step(world, H, NULL);
     now = state_of(world, ball);
-    assert_true(now.velocity.z > 0);
+    assert_close(now.velocity.z, -0.1, 1e-12, 0);
     assert_close(now.position.z, 0.5, 1e-3, 0);
     pe_world_destroy(world);
 }
@@ -368,7 +346,6 @@ int main(void)
         cmocka_unit_test(test_block_slows_by_mu_g_at_every_azimuth),
         cmocka_unit_test(test_spinning_slider_follows_its_four_corners),
         cmocka_unit_test(test_block_sticks_below_and_slides_above_friction_angle),
-        cmocka_unit_test(test_a_ball_bounces_with_newtons_restitution),
         cmocka_unit_test(test_body_out_of_reach_has_no_effect),
         cmocka_unit_test(test_applied_force_accelerates_a_frictionless_slider),
         cmocka_unit_test(test_momentum_is_kept_by_contacts_between_bodies),

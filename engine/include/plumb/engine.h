@@ -118,10 +118,10 @@ typedef struct pe_world_def {
     double restitution_threshold;
 
     /* An island of this many bodies or fewer takes its impacts at their own time within the step,
-     * one after the other, except in the fast profile. An island with restitution is first divided
-     * where its contacts do not act; and the bound is eight times this for parts in which nothing
-     * but impacts pushes. Elsewhere, and everywhere at 0, an impact acts at the step's start, over
-     * the gap. A step with impacts costs up to 8 sub-steps, or two for each body, each with up to 8
+     * one after the other; in the fast profile where soft contact does not take it. An island with
+     * restitution is first divided where its contacts do not act; and the bound is eight times this
+     * for parts in which nothing but impacts pushes. Elsewhere, and everywhere at 0, an impact acts
+     * at the step's start, over the gap. A step with impacts costs up to 8 sub-steps, or two for each body, each with up to 8
      * passes of solver and narrow phase over the pairs. With F triangles in its meshes that are not
      * collided as hulls, the narrow phase passes over them at most max(2, 2000/F) times, and the
      * rest of the step is an ordinary one. */

@@ -40,6 +40,30 @@ static pe_status compute_spin(pe_search *s, const pe_pair_list *pairs)
     return PE_OK;
 }
 
+/* Computes how deep each dynamic body, or one that it touches, lay in others in the list before. */
+static pe_status compute_depth(pe_search *s)
+{
+    const size_t slots = (size_t)s->world->slot_count;
+    const pe_body *bodies = pe_bodies(s->world);
+    const pe_manifold *old = pe_manifolds(s->old);
+    double *own = pe_scratch_zero(s->world, slots, sizeof *own);
+    s->depth = pe_scratch_zero(s->world, slots, sizeof *s->depth);
+    if (own == NULL || s->depth == NULL) {
+        return pe_fail(s->error, PE_NO_MEMORY, "no memory for %d bodies", s->world->slot_count);
+    }
+    for (int i = 0; i < s->old->manifold_count; ++i) {
+        const double depth = -old[i].least_separation;
+        own[old[i].a] = bodies[old[i].a].is_static ? 0 : pe_max(own[old[i].a], depth);
+        own[old[i].b] = bodies[old[i].b].is_static ? 0 : pe_max(own[old[i].b], depth);
+    }
+    for (int i = 0; i < s->old->manifold_count; ++i) {
+        const double depth = pe_max(own[old[i].a], own[old[i].b]);
+        s->depth[old[i].a] = pe_max(s->depth[old[i].a], depth);
+        s->depth[old[i].b] = pe_max(s->depth[old[i].b], depth);
+    }
+    return PE_OK;
+}
+
 /* ---- All pairs ---- */
 
 /* The pairs of a search. With more than one thread each finds the manifolds of some pairs in a list of
@@ -199,6 +223,9 @@ pe_status pe_contacts_find(pe_world *world, const pe_contact_rules *rules,
     all_pairs all = {.search = &s, .pairs = pairs, .moved = moved};
     s.found->manifold_count = s.found->point_count = 0;
     pe_status status = compute_spin(&s, pairs);
+    if (status == PE_OK) {
+        status = compute_depth(&s);
+    }
     if (status == PE_OK) {
         status = world->views != NULL && pairs->count > PAIR_GRAIN
                      ? find_shared(&s, &all)

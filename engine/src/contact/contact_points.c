@@ -1,5 +1,7 @@
 #include "contact_points.h"
 
+#include "narrow_phase/tolerances.h"
+
 static const double TIE = 1e-5; /* in units of the smaller body */
 static const double FAR = 0.5;  /* margin, in units of the smaller body's bounding radius */
 static const uint64_t CENTRE_FEATURE = UINT64_MAX;
@@ -53,19 +55,27 @@ void pe_pair_manifold_reduce(pe_pair_manifold *manifold, double size)
     double tie = TIE * size, score[PE_MAX_POINTS] = {0};
     int count = manifold->count, deepest = deepest_point(manifold, tie);
     unsigned kept = 1u << deepest;
-    pe_vec3 from = manifold->item[deepest].position;
+    const pe_pair_point *first = &manifold->item[deepest];
+    pe_vec3 from = first->position;
+    double drawback[PE_MAX_POINTS];
     for (int i = 0; i < count; ++i) {
-        score[i] = pe_length(pe_sub(manifold->item[i].position, from));
+        pe_vec3 d = pe_sub(manifold->item[i].position, from);
+        d = pe_madd(d, -pe_dot(d, manifold->normal), manifold->normal);
+        drawback[i] =
+            PE_HEIGHT_WEIGHT * pe_max(0, manifold->item[i].separation - first->separation);
+        score[i] = pe_length(d) - drawback[i];
     }
     int far = first_best(score, count, tie);
     if (far >= 0) {
         kept |= 1u << far;
         /* Distance of each point from the line, positive on one side of it. */
         pe_vec3 along = pe_sub(manifold->item[far].position, from);
+        along = pe_madd(along, -pe_dot(along, manifold->normal), manifold->normal);
         pe_vec3 across = pe_scale(1 / pe_length(along), pe_cross(manifold->normal, along));
         for (double side = -1; side < 2; side += 2) {
             for (int i = 0; i < count; ++i) {
-                score[i] = side * pe_dot(across, pe_sub(manifold->item[i].position, from));
+                pe_vec3 d = pe_sub(manifold->item[i].position, from);
+                score[i] = side * pe_dot(across, d) - drawback[i];
             }
             int wide = first_best(score, count, tie);
             kept |= wide >= 0 ? 1u << wide : 0;

@@ -10,14 +10,19 @@
 
 #include "contact_points.h"
 #include "model/ranges.h"
+#include "passing.h"
 
 #include <string.h>
 
 /* Two points of a pair nearer than this, in m per metre of the smaller body, may be the same point
  * whose features were renamed. */
 static const double MATCH_DISTANCE = 0.02;
+
 /* Cosine of the angle up to which two manifolds face the same way. */
 static const double SAME_DIRECTION = 0.9;
+
+/* m: islands that are solved directly keep no more than this (correct_islands.c). */
+static const double EXACT_DEPTH = 1e-8;
 
 /* A pair of bodies under examination. */
 typedef struct examined {
@@ -349,6 +354,11 @@ static pe_placed placed(const pe_world *world, int slot)
     return (pe_placed){&body->shape, body->geometry, &pe_poses(world)[slot], body->size};
 }
 
+static pe_status no_memory(pe_error *error)
+{
+    return pe_fail(error, PE_NO_MEMORY, "no memory for the contacts of two meshes");
+}
+
 static pe_status collide(pe_world *world, pe_pair pair, double margin, pe_pair_manifold *manifolds,
                          int *count, pe_error *error)
 {
@@ -356,8 +366,43 @@ static pe_status collide(pe_world *world, pe_pair pair, double margin, pe_pair_m
     pe_arena_mark mark = pe_arena_fill(work.arena);
     *count = pe_collide(placed(world, pair.a), placed(world, pair.b), margin, work, manifolds);
     pe_arena_rewind(work.arena, work.allocator, mark);
-    return *count >= 0 ? PE_OK
-                       : pe_fail(error, PE_NO_MEMORY, "no memory for the contacts of two meshes");
+    return *count >= 0 ? PE_OK : no_memory(error);
+}
+
+/* Whether the last step may have let the body sink in: soft contacts sag, and an island that is not
+ * solved to the tolerance lets its bodies move on. */
+static bool may_sag(const pe_world *world, int slot)
+{
+    return world->def.profile == PE_PROFILE_FAST ||
+           pe_records(world)[slot].residual > world->def.tolerance;
+}
+
+/* Lets the pair pass if it would collide at the poses now but not in its motion. */
+static pe_status let_pass(pe_search *s, const examined *e, pe_pair_manifold *manifolds, int *count)
+{
+    pe_world *world = s->world;
+    const pe_pair pair = e->pair;
+    const double depth =
+        pe_max(e->a->is_static ? 0 : s->depth[pair.a], e->b->is_static ? 0 : s->depth[pair.b]);
+    const bool sags = depth > EXACT_DEPTH || may_sag(world, pair.a) || may_sag(world, pair.b);
+    const pe_approach approach = {
+        .a = placed(world, pair.a),
+        .b = placed(world, pair.b),
+        .of_a = pe_twists(world)[pair.a],
+        .of_b = pe_twists(world)[pair.b],
+        .old = e->old,
+        .old_points = pe_manifold_points(s->old),
+        .old_count = e->old_count,
+        .dt = s->dt,
+        .fall = s->dt * s->dt * pe_length(world->def.gravity),
+        .margin = e->margin,
+        .depth = depth + (sags ? world->def.penetration_slop : 0),
+    };
+    pe_workspace work = pe_step_memory(world);
+    pe_arena_mark mark = pe_arena_fill(work.arena);
+    const bool has_memory = pe_pass(&approach, work, manifolds, count);
+    pe_arena_rewind(work.arena, work.allocator, mark);
+    return has_memory ? PE_OK : no_memory(s->error);
 }
 
 pe_status pe_pair_overlap(pe_world *world, int a, int b, double *depth, pe_error *error)
@@ -380,6 +425,9 @@ static pe_status collide_pair(pe_search *s, const examined *e)
     pe_pair_manifold manifolds[PE_MAX_MANIFOLDS];
     int count;
     pe_status status = collide(s->world, e->pair, e->margin, manifolds, &count, s->error);
+    if (status == PE_OK && count > 0) {
+        status = let_pass(s, e, manifolds, &count);
+    }
     if (status != PE_OK) {
         return status;
     }

@@ -9,6 +9,8 @@ typedef struct pe_search {
     pe_world *world;
     const pe_contact_rules *rules;
     double *spin;           /* (slot_count), as pe_spin_speed, of the pairs' bodies */
+    double *depth;          /* (slot_count), m: of a dynamic body, how deep it or one that it
+                               touches lay in others in the list before */
     double dt, slack;       /* s; m, pe_margin_slack */
     const pe_contacts *old; /* both lists are sorted by (a, b) */
     int next;               /* the first manifold of `old` that no pair has passed yet */

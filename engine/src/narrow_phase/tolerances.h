@@ -67,6 +67,10 @@
  * by which that of edges that meet lies within it at least, or it is that of the face. */
 #define PE_MEETING_ROUNDING 1e-9
 #define PE_MEETING_FACE 1e-6
+/* Length: an overlap by less is none of two bodies that pass each other, and a motion by less closes
+ * no gap. It is above the rounding of positions and the depth of 1e-8 m at which bodies of 0.1 m and
+ * more are left. */
+#define PE_PASSING 1e-7
 
 /* ---- Reduction to PE_MAX_POINTS ---- */
 

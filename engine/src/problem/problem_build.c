@@ -36,7 +36,7 @@ static const pe_twist *end_of(const pe_world *world, const pe_free_motion *free,
 static bool outlasts(const pe_world *world, const pe_manifold *m, const pe_manifold_point *point,
                      const pe_free_motion *free, double approach)
 {
-    if (free == NULL || world->def.profile == PE_PROFILE_FAST) {
+    if (free == NULL) {
         return true;
     }
     double end =
@@ -50,7 +50,7 @@ static double bias_of(const pe_world *world, const pe_manifold *m, const pe_mani
 {
     const pe_free_motion *free = interval->free;
     const double dt = interval->dt;
-    const bool stays = interval->stops && point->separation <= TOUCHING;
+    const bool stays = (interval->stops || interval->substep) && point->separation <= TOUCHING;
     double gap = stays ? 0 : closable(point->separation);
     if (m->restitution > 0) {
         const pe_twist *twists = pe_twists(world);
@@ -255,7 +255,7 @@ pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_isla
         return PE_OK;
     }
     pe_problem_rebuild_velocity(problem);
-    if (!interval->instant && world->def.profile != PE_PROFILE_FAST) {
+    if (!interval->instant) {
         return pe_problem_to_midpoint(world, built, interval->free, interval->dt, interval->solved,
                                       error);
     }

@@ -63,7 +63,6 @@ static void add_manifold(const pe_world *world, int index, const draft *d, pe_so
         plan->colours = colour >= plan->colours ? colour + 1 : plan->colours;
         plan->points += contact->count;
     }
-    plan->bounces = plan->bounces || m->restitution > 0;
 }
 
 /* A counting sort of the contacts by batch, which keeps their order within a batch. */
@@ -191,9 +190,6 @@ static pe_status take_blocks(pe_world *world, const pe_kernels *kernels, pe_soft
     task->friction_blocks = pe_scratch(world, friction_blocks + 1, kernel->friction_block_size);
     task->friction_rows = pe_scratch(world, friction_rows + 1, kernel->friction_row_size);
     task->depth = pe_scratch(world, blocks / PE_SOFT_GRAIN + 1, sizeof *task->depth);
-    if (task->plan->bounces) {
-        task->bounces = pe_scratch(world, rows + 1, kernel->bounce_size);
-    }
     if (pe_scratch_failed(world)) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %zu contact points",
                        rows * (size_t)kernels->lanes);
@@ -248,9 +244,6 @@ static void run(const pe_soft_kernel *kernel, pe_soft_task *task)
         run_bodies(task, kernel->integrate_positions);
         run_colours(task, kernel->relax);
     }
-    if (task->bounces != NULL) {
-        run_colours(task, kernel->bounce);
-    }
     run_blocks(task, kernel->store);
 }
 
@@ -301,7 +294,6 @@ pe_status pe_soft_step(pe_world *world, const pe_chosen_islands *islands, double
         .substeps = substeps,
         .substep = h,
         .push_speed = settings.push_speed,
-        .threshold = world->def.restitution_threshold,
         .spring = make_spring(settings.cycles / h, settings.damping, h),
         /* A contact with the ground carries the most, and moves only one body. */
         .hard_spring = make_spring(2 * settings.cycles / h, 0.5 * settings.damping, h),

@@ -13,7 +13,8 @@
  * a_b, a_m and a_p make the contact an implicitly integrated, overdamped spring (Catto 2011, "Soft
  * constraints"; 2024, "Solver2D", which calls this scheme Soft Step). Many sub-steps with one sweep
  * each converge better than one step with as many sweeps (Macklin et al. 2019, "Small steps in
- * physics simulation"). Contacts with a restitution above 0 get one more sweep at the end.
+ * physics simulation"). Nothing rebounds: an island in which a contact rebounds needs another
+ * solver.
  *
  * The number of sub-steps goes by the root of dt, so that springs are the stiffer the shorter the
  * step is, and penetration falls with it.

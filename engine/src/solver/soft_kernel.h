@@ -186,32 +186,6 @@ static void soft_relax(const pe_soft_task *task, int begin, int end)
     }
 }
 
-static void soft_bounce(const pe_soft_task *task, int begin, int end)
-{
-    pe_solver_body *bodies = task->bodies->velocity;
-    wide zero = wide_of(0);
-    for (int i = begin; i < end; ++i) {
-        const soft_block *c = (const soft_block *)task->blocks + i;
-        soft_row *rows = (soft_row *)task->rows + c->row;
-        const wide *speeds = (const wide *)task->bounces + c->row;
-        wide_pair p;
-        wide_load_pair(bodies, c->a, c->b, &p);
-        normal_sum n = {relative_velocity(c->normal, &p), zero};
-        for (int j = 0; j < c->count; ++j) {
-            soft_row *r = &rows[j];
-            wide vn = normal_velocity(r, n.vn, &p);
-            wide now = wide_max(r->sum + r->mass * (speeds[j] - vn), zero);
-            /* Only points that have a speed to bounce with, and that have touched. */
-            wide dp = wide_select(speeds[j], zero, now - r->sum, zero);
-            dp = wide_select(r->sum, zero, dp, zero);
-            r->sum += dp;
-            apply_normal(c, r, dp, &n, &p);
-        }
-        apply_along(c->normal, n.sum, &p);
-        wide_store_pair(bodies, c->a, c->b, 0, &p);
-    }
-}
-
 /* ---- Bodies and results ---- */
 
 static void soft_store(const pe_soft_task *task, int begin, int end)
@@ -265,13 +239,11 @@ static const pe_soft_kernel SOFT_KERNEL = {
     .row_size = sizeof(soft_row),
     .friction_block_size = sizeof(friction_block),
     .friction_row_size = sizeof(friction_row),
-    .bounce_size = sizeof(wide),
     .lay_out = soft_lay_out,
     .prepare = soft_prepare,
     .warm_start = soft_warm_start,
     .bias = soft_bias,
     .relax = soft_relax,
-    .bounce = soft_bounce,
     .store = soft_store,
     .integrate_velocities = soft_integrate_velocities,
     .integrate_positions = soft_integrate_positions,

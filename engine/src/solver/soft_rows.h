@@ -168,7 +168,7 @@ typedef struct point_lanes {
     wide position[PE_SOFT_POINTS][3];
     wide impulse[PE_SOFT_POINTS][3];
     wide gap[PE_SOFT_POINTS];
-    wide friction, restitution;
+    wide friction;
 } point_lanes;
 
 /* Fills the friction of a block: its tangents, its step, and a row for each point. */
@@ -207,15 +207,12 @@ PE_INLINE void prepare_friction(const pe_soft_task *task, const soft_block *c,
     f->friction = points->friction;
 }
 
-/* Fills the normal rows of a block and, if asked for, the speeds (m/s) at which points bounce. */
+/* Fills the normal rows of a block. */
 PE_INLINE void prepare_normals(const pe_soft_task *task, const soft_block *c,
-                               const frame_pair *frames, const point_lanes *points,
-                               const wide_pair *p)
+                               const frame_pair *frames, const point_lanes *points)
 {
     soft_row *rows = (soft_row *)task->rows + c->row;
-    wide *bounces = task->bounces != NULL ? (wide *)task->bounces + c->row : NULL;
     wide zero = wide_of(0), per_substep = wide_of(1.0 / task->substeps);
-    wide vn_linear = relative_velocity(c->normal, p);
     for (int j = 0; j < c->count; ++j) {
         soft_row *r = &rows[j];
         make_row(frames, c->normal, points->position[j], r->jA, r->jB);
@@ -223,11 +220,6 @@ PE_INLINE void prepare_normals(const pe_soft_task *task, const soft_block *c,
         r->gap = points->gap[j];
         r->impulse = wide_max(per_substep * wide_dot(c->normal, points->impulse[j]), zero);
         r->sum = zero;
-        if (bounces != NULL) {
-            wide approach = zero - (vn_linear + (wide_dot(r->jA, p->wA) + wide_dot(r->jB, p->wB)));
-            bounces[j] = wide_select(approach, wide_of(task->threshold),
-                                     points->restitution * approach, zero);
-        }
     }
 }
 
@@ -236,7 +228,7 @@ PE_INLINE void load_block(const pe_soft_task *task, soft_block *c, point_lanes *
 {
     static const pe_manifold no_manifold;
     static const pe_manifold_point no_point;
-    const double *normal[PE_WIDTH], *friction[PE_WIDTH], *restitution[PE_WIDTH];
+    const double *normal[PE_WIDTH], *friction[PE_WIDTH];
     const double *position[PE_SOFT_POINTS][PE_WIDTH], *impulse[PE_SOFT_POINTS][PE_WIDTH];
     const double *gap[PE_SOFT_POINTS][PE_WIDTH];
     for (int l = 0; l < PE_WIDTH; ++l) {
@@ -247,7 +239,6 @@ PE_INLINE void load_block(const pe_soft_task *task, soft_block *c, point_lanes *
         c->b[l] = contact != NULL ? contact->b : 0;
         normal[l] = (const double *)&m->normal;
         friction[l] = &m->friction;
-        restitution[l] = &m->restitution;
         for (int j = 0; j < c->count; ++j) {
             const pe_manifold_point *point =
                 contact != NULL ? &task->points[contact->point[j]] : &no_point;
@@ -267,7 +258,6 @@ PE_INLINE void load_block(const pe_soft_task *task, soft_block *c, point_lanes *
         points->gap[j] = wide_gather(gap[j], 0);
     }
     points->friction = wide_gather(friction, 0);
-    points->restitution = wide_gather(restitution, 0);
 }
 
 /* Fills a block whose contact, lanes, count and places in the arrays are set. Where a point is
@@ -285,7 +275,7 @@ static void prepare_block(const pe_soft_task *task, soft_block *c, wide *deepest
     }
     wide_load_pair(task->bodies->velocity, c->a, c->b, &p);
     c->inverse_mass = p.mA + p.mB;
-    prepare_normals(task, c, &frames, &points, &p);
+    prepare_normals(task, c, &frames, &points);
     if (c->friction >= 0) {
         prepare_friction(task, c, &frames, &points);
     }

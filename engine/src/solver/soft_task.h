@@ -41,7 +41,6 @@ typedef struct pe_soft_plan {
     pe_soft_batch *batches;
     int colours;
     int points;
-    bool bounces; /* some restitution is above 0 */
 } pe_soft_plan;
 
 /* Plans the manifolds of the chosen islands, in the step's arena. Each contact gets the lowest
@@ -69,7 +68,6 @@ typedef struct pe_soft_task {
     int substeps;
     double substep;                     /* h, s */
     double push_speed;                  /* m/s */
-    double threshold;                   /* m/s: slower approach does not bounce */
     pe_soft_spring spring, hard_spring; /* between two bodies; against a static one */
 
     pe_pool *pool;    /* NULL: one thread */
@@ -81,7 +79,6 @@ typedef struct pe_soft_task {
     int block_count;
     void *blocks, *rows; /* normals: a block per group of contacts, a row per point */
     void *friction_blocks, *friction_rows; /* the same of the friction of rough blocks */
-    void *bounces;                         /* one per row; NULL when nothing bounces */
 } pe_soft_task;
 
 /* Blocks of a piece. */
@@ -92,7 +89,7 @@ typedef void pe_soft_work(const pe_soft_task *task, int begin, int end);
 
 /* The sweeps of the soft contact solver for one vector width. */
 typedef struct pe_soft_kernel {
-    size_t block_size, row_size, friction_block_size, friction_row_size, bounce_size; /* bytes */
+    size_t block_size, row_size, friction_block_size, friction_row_size; /* bytes */
 
     /* Divides the batches into blocks, and sets their places in the arrays. */
     void (*lay_out)(pe_soft_task *task);
@@ -103,8 +100,6 @@ typedef struct pe_soft_kernel {
     pe_soft_work *warm_start;
     /* The two sweeps. `relax` adds each impulse to the sum over the step. */
     pe_soft_work *bias, *relax;
-    /* Newton's law of impact at points that approached at the step's start and then touched. */
-    pe_soft_work *bounce;
     /* Writes the impulses of the step into the manifold points. */
     pe_soft_work *store;
     /* Changes the velocities of bodies by as much as they changed in the last sub-step. */

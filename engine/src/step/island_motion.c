@@ -219,8 +219,8 @@ static bool spins_freely(const pe_world *world, int slot, const pe_free_motion *
 {
     pe_vec3 torque = free->torque, w = pe_twists(world)[slot].angular_velocity;
     double angle2 = dt * dt * pe_dot(w, w);
-    return world->def.profile != PE_PROFILE_FAST && !pe_masses(world)[slot].spherical &&
-           pe_dot(torque, torque) == 0 && angle2 > 0 && angle2 < MAX_ROTATION * MAX_ROTATION;
+    return !pe_masses(world)[slot].spherical && pe_dot(torque, torque) == 0 && angle2 > 0 &&
+           angle2 < MAX_ROTATION * MAX_ROTATION;
 }
 
 void pe_integrate_free(pe_world *world, int slot, const pe_free_motion *free, double dt)

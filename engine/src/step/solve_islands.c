@@ -32,6 +32,18 @@ static void count_island(pe_step *step, int k, pe_path path)
     }
 }
 
+static int body_count(const pe_islands *islands, int k)
+{
+    return islands->body_start[k + 1] - islands->body_start[k];
+}
+
+/* Whether a contact of the island rebounds in the step. */
+static bool bounces(const pe_step *step, int k)
+{
+    return pe_may_bounce(step->world, &step->islands, k) &&
+           pe_impact_is_due(step, &step->islands, k);
+}
+
 /* Steps an island that has impacts, whole or in parts, so that they have their own time. *done:
  * whether they do. */
 static pe_status step_impacts(pe_step *step, int k, bool *done)
@@ -41,11 +53,7 @@ static pe_status step_impacts(pe_step *step, int k, bool *done)
     pe_status status = PE_OK;
     pe_path path = PE_PATH_NONE;
     *done = false;
-    if (def->profile == PE_PROFILE_FAST) {
-        return PE_OK;
-    }
-    if (islands->body_start[k + 1] - islands->body_start[k] > 1 && def->impact_bodies > 0 &&
-        pe_may_bounce(step->world, islands, k) && pe_impact_is_due(step, islands, k)) {
+    if (body_count(islands, k) > 1 && def->impact_bodies > 0 && bounces(step, k)) {
         status = pe_parts_step(step, k, done, &path);
         step->stats.islands_by_path[path] += *done;
     }
@@ -93,11 +101,6 @@ static pe_status begin_island(pe_step *step, int k, pe_island_item *item)
     return status == PE_OK && item->solving.sweeps == 0 ? end_island(step, item) : status;
 }
 
-static int body_count(const pe_islands *islands, int k)
-{
-    return islands->body_start[k + 1] - islands->body_start[k];
-}
-
 /* Whether an island hardly moves. */
 static bool is_quiet(const pe_step *step, int k)
 {
@@ -131,7 +134,7 @@ static bool is_fast_and_small(const pe_step *step, int k)
 static bool suits_soft_contact(const pe_step *step, int k)
 {
     const bool small = body_count(&step->islands, k) <= MOST_UNEVEN;
-    return step->world->def.profile == PE_PROFILE_FAST && !is_quiet(step, k) &&
+    return step->world->def.profile == PE_PROFILE_FAST && !is_quiet(step, k) && !bounces(step, k) &&
            !is_fast_and_small(step, k) &&
            !(small && pe_island_mass_ratio(step->world, &step->islands, k) > PE_UNEVEN);
 }

@@ -120,7 +120,7 @@ pe_status pe_island_move(pe_step *step, const pe_interval *interval,
                          const pe_island_problem *island, pe_moved *moved);
 
 /* Moves a body that touches nothing over dt, in s. Without a torque its rotation is integrated by a
- * rule of fourth order, except in the fast profile. `free` (slots): the motion without contacts. */
+ * rule of fourth order. `free` (slots): the motion without contacts. */
 void pe_integrate_free(pe_world *world, int slot, const pe_free_motion *free, double dt);
 
 /* Lists the island's contacts apart, with their impulses over the interval, which ends at `end`, in
