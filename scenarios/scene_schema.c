@@ -26,7 +26,7 @@ static const struct {
     const char *schema;
     const char *positive; /* the schema of positive components */
 } types[] = {
-    [PL_FIELD_VERSION] = {"1", "\"const\": 1", NULL},
+    [PL_FIELD_VERSION] = {"1 or 2", "\"enum\": [1, 2]", NULL},
     [PL_FIELD_NUMBER] = {"number", NULL, NULL},
     [PL_FIELD_VECTOR] = {"[x, y, z]", REF("vector"), REF("positive_vector")},
     [PL_FIELD_UNIT] = {"unit [x, y, z]", REF("vector"), NULL},

@@ -7,6 +7,7 @@
 #include "referee/geometry/candidate_pairs.h"
 #include "referee/metrics/chaotic.h"
 #include "referee/metrics/contact_force.h"
+#include "referee/metrics/expectations.h"
 #include "referee/metrics/motion.h"
 #include "referee/metrics/reference_error.h"
 #include "referee/metrics/series.h"
@@ -309,10 +310,8 @@ static void dynamic_metrics(const pl_referee *r, pl_metric *item)
         pl_touching_metrics(r->touching, item);
     }
     pl_motion_metrics(r->motion, r->done, r->last, item);
-    if (r->scale.dynamic_count > 1) {
-        double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, integrator);
-        item[PL_METRIC_ENERGY_LOST] = pl_metric_value(-gain * r->scale.energy);
-    }
+    const double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, integrator);
+    item[PL_METRIC_ENERGY_LOST] = pl_metric_value(-gain * r->scale.energy);
 }
 
 /* A statistic of what the engine reports of its steps. */
@@ -426,6 +425,9 @@ pl_ending pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metrics
     }
     withdraw_after_early_end(r, item);
     pl_chaotic_metrics(r->scene, item);
+    if (!ended_early(r)) {
+        pl_expectations_judge(r->values, r->last, item, &metrics->deviations);
+    }
     item[PL_METRIC_REFERENCE_ERROR] = reference_metric(r, item);
     return final_ending(r, note, error);
 }

@@ -332,16 +332,30 @@ static json_t *read_back_json(unsigned read_back)
     return list;
 }
 
+/* The deviations that are named, worst first. */
+static json_t *off_json(const pl_deviations *deviations)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < deviations->off && i < PL_MOST_DEVIATIONS; ++i) {
+        const char *text = deviations->text[i];
+        json_array_append_new(list,
+                              json_pack("{s:o, s:o}", "what", pl_json_text(text, strlen(text)),
+                                        "ratio", pl_json_number_or_null(deviations->ratio[i])));
+    }
+    return list;
+}
+
 json_t *pl_run_result_to_json(const pl_run_result *result)
 {
     return json_pack(
-        "{s:s, s:o, s:o, s:{s:I, s:I}, s:o, s:o, s:o, s:o}", "outcome",
+        "{s:s, s:o, s:o, s:{s:I, s:I}, s:o, s:o, s:i, s:o, s:o, s:o}", "outcome",
         pl_outcome_name(result->outcome), "reason", text_or_null(result->reason), "note",
         text_or_null(result->note.text), "steps", "asked", (json_int_t)result->steps_asked, "done",
         (json_int_t)result->steps_done, "substeps",
         result->substeps > 0 ? json_integer(result->substeps) : json_null(), "read_back",
-        read_back_json(result->read_back), "metrics", metrics_json(&result->metrics), "final_poses",
-        poses_json(result->bodies, result->body_count));
+        read_back_json(result->read_back), "off_count", result->metrics.deviations.off, "off",
+        off_json(&result->metrics.deviations), "metrics", metrics_json(&result->metrics),
+        "final_poses", poses_json(result->bodies, result->body_count));
 }
 
 bool pl_results_all_unsupported(const json_t *results)

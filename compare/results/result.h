@@ -91,7 +91,7 @@ typedef struct pl_run_result {
     const pl_body_state *bodies; /* (body_count) at the last good frame; NULL when there is none */
 } pl_run_result;
 
-/* The keys outcome, reason, note, steps, substeps, read_back, metrics, final_poses. */
+/* The keys outcome, reason, note, steps, substeps, read_back, off_count, off, metrics, final_poses. */
 json_t *pl_run_result_to_json(const pl_run_result *result);
 
 /* The numbers of a row of final_poses: x, y, z, qw, qx, qy, qz. */

@@ -2,6 +2,7 @@
 #include "run_verdict.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -42,33 +43,121 @@ static const char *why_absent(const json_t *result, const char *name)
     return metric == NULL ? "it does not apply" : pl_json_get_text(metric, "reason");
 }
 
-/* Of a run that ended ok, in a scene that states an acceptance. */
-static pl_verdict judge_error(const json_t *result, double acceptance, char *reason, size_t size)
+/* Whether the metric copies an error against what the scene expects. Such an error is judged expectation
+ * by expectation, each by its own tolerance. */
+static bool is_of_expectations(const char *metric)
 {
+    static const char *const errors[] = {"rest_position_error", "rest_rotation_error",
+                                         "travel_error", "value_error", "statistics_error"};
+    bool found = false;
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; ++i) {
+        found = found || strcmp(metric, errors[i]) == 0;
+    }
+    return found;
+}
+
+/* Appends to the reason. */
+static void add(char *reason, size_t size, const char *format, ...)
+{
+    const size_t length = strlen(reason);
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(reason + length, size - length, format, arguments);
+    va_end(arguments);
+}
+
+static const char *separator(const char *reason)
+{
+    return reason[0] == '\0' ? "" : "; ";
+}
+
+/* Names the expectations that the run is off, worst first. False: there are none. */
+static bool name_deviations(const json_t *result, char *reason, size_t size)
+{
+    const json_t *list = json_object_get(result, "off");
+    const json_int_t count = json_integer_value(json_object_get(result, "off_count"));
+    const json_int_t named = (json_int_t)json_array_size(list);
+    for (size_t i = 0; i < json_array_size(list); ++i) {
+        add(reason, size, "%s%s", separator(reason),
+            pl_json_get_text(json_array_get(list, i), "what"));
+    }
+    if (count > named) {
+        add(reason, size, "; and %lld more", (long long)(count - named));
+    }
+    return count > 0;
+}
+
+/* Writes the two numbers with as many digits, three or more, as they need to differ. */
+static void add_bound(const char *what, double error, double bound, const char *unit, char *reason,
+                      size_t size)
+{
+    char found[32], least[32];
+    int digits = 3;
+    do {
+        snprintf(found, sizeof found, "%.*g", digits, error);
+        snprintf(least, sizeof least, "%.*g", digits, bound);
+    } while (strcmp(found, least) == 0 && digits++ < 17);
+    unit = strcmp(unit, "1") == 0 ? "" : unit;
+    const char *space = unit[0] != '\0' ? " " : "";
+    add(reason, size, "%s%s %s%s%s, beyond %s%s%s", separator(reason), what, found, space, unit,
+        least, space, unit);
+}
+
+/* Judges the primary error by the scene's acceptance. */
+static pl_verdict judge_primary(const json_t *result, char *reason, size_t size)
+{
+    const json_t *acceptance = json_object_get(result, "acceptance");
     const char *name = pl_json_get_text(result, "primary_error");
-    const char *note = pl_json_get_text(result, "note");
     const double error = pl_result_metric(result, "reference_error");
     const json_t *metric = json_object_get(json_object_get(result, "metrics"), "reference_error");
-    const char *unit = pl_json_get_text(metric, "unit"), *part = pl_json_get_text(metric, "part");
+    const char *part = pl_json_get_text(metric, "part");
+    if (!json_is_number(acceptance)) {
+        snprintf(reason, size, "the scene states no acceptance");
+        return PL_VERDICT_UNJUDGED;
+    }
+    if (name[0] == '\0') {
+        snprintf(reason, size, "the scene expects nothing");
+        return PL_VERDICT_UNJUDGED;
+    }
     if (isnan(error)) {
         snprintf(reason, size, "%s has no value: %s", name, why_absent(result, "reference_error"));
         return PL_VERDICT_UNJUDGED;
     }
-    if (error <= acceptance) {
+    if (error <= json_number_value(acceptance)) {
         return PL_VERDICT_ACCURATE;
     }
-    unit = strcmp(unit, "1") == 0 ? "" : unit;
-    part = part[0] != '\0' ? part : name;
-    snprintf(reason, size, "%s%s%s %.3g%s%s, beyond %.3g%s%s", note, note[0] != '\0' ? "; " : "",
-             part, error, unit[0] != '\0' ? " " : "", unit, acceptance, unit[0] != '\0' ? " " : "",
-             unit);
+    add_bound(part[0] != '\0' ? part : name, error, json_number_value(acceptance),
+              pl_json_get_text(metric, "unit"), reason, size);
     return PL_VERDICT_INACCURATE;
+}
+
+/* Judges everything that the scene states, of a run that ended ok. */
+static pl_verdict judge_errors(const json_t *result, char *reason, size_t size)
+{
+    const bool has_expectations = !isnan(pl_result_metric(result, "expectation_error"));
+    const bool is_bounded = json_is_number(json_object_get(result, "acceptance"));
+    char of_primary[512] = "", of_expectations[1024] = "";
+    pl_verdict verdict = judge_primary(result, of_primary, sizeof of_primary);
+    if (has_expectations &&
+        (!is_bounded || (verdict == PL_VERDICT_INACCURATE &&
+                         is_of_expectations(pl_json_get_text(result, "primary_error"))))) {
+        verdict = PL_VERDICT_ACCURATE; /* unless an expectation is off */
+        of_primary[0] = '\0';
+    }
+    if (name_deviations(result, of_expectations, sizeof of_expectations)) {
+        verdict = PL_VERDICT_INACCURATE;
+    }
+    const char *parts[] = {verdict == PL_VERDICT_INACCURATE ? pl_json_get_text(result, "note") : "",
+                           of_expectations, of_primary};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
+        add(reason, size, "%s%s", parts[i][0] != '\0' ? separator(reason) : "", parts[i]);
+    }
+    return verdict;
 }
 
 static pl_verdict judge(const json_t *result, char *reason, size_t size)
 {
     const char *outcome = pl_json_get_text(result, "outcome");
-    const json_t *acceptance = json_object_get(result, "acceptance");
     const double unexplained = pl_result_metric(result, "unexplained_motion");
     if (strcmp(outcome, pl_outcome_name(PL_OUTCOME_UNSUPPORTED)) == 0) {
         snprintf(reason, size, "unsupported");
@@ -85,11 +174,7 @@ static pl_verdict judge(const json_t *result, char *reason, size_t size)
                  unexplained);
         return PL_VERDICT_FAILED;
     }
-    if (!json_is_number(acceptance)) {
-        snprintf(reason, size, "the scene states no acceptance");
-        return PL_VERDICT_UNJUDGED;
-    }
-    return judge_error(result, json_number_value(acceptance), reason, size);
+    return judge_errors(result, reason, size);
 }
 
 /* Sets `verdict` and `verdict_reason`. */

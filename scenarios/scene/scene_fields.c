@@ -7,10 +7,23 @@
 
 #define COUNT_OF(array) ((int)(sizeof(array) / sizeof(array)[0]))
 
-const char *const pl_primary_errors[PL_PRIMARY_ERROR_COUNT] = {
-    "rest_position_error", "rest_rotation_error", "travel_error", "value_error", "discrete_error",
-    "penetration_max",     "penetration_rest",    "drift",        "creep",       "energy_gain",
-    "momentum_error",      "statistics_error",    "chaotic_error"};
+const char *const pl_primary_errors[PL_PRIMARY_ERROR_COUNT] = {"rest_position_error",
+                                                               "rest_rotation_error",
+                                                               "travel_error",
+                                                               "value_error",
+                                                               "discrete_error",
+                                                               "penetration_max",
+                                                               "penetration_rest",
+                                                               "drift",
+                                                               "creep",
+                                                               "energy_gain",
+                                                               "momentum_error",
+                                                               "statistics_error",
+                                                               "chaotic_error",
+                                                               "path_deviation",
+                                                               "lift",
+                                                               "settle_time",
+                                                               "energy_lost"};
 
 const char *const pl_shape_names[PL_SHAPE_KIND_COUNT] = {
     [PL_SHAPE_PLANE] = "plane",     [PL_SHAPE_SPHERE] = "sphere",     [PL_SHAPE_BOX] = "box",
@@ -67,6 +80,31 @@ static bool has_orientation(const void *object)
     return ((const pl_expect_rest *)object)->has_orientation;
 }
 
+static bool rest_has_tolerance(const void *object)
+{
+    return ((const pl_expect_rest *)object)->tolerance != 0;
+}
+
+static bool rest_has_orientation_tolerance(const void *object)
+{
+    return ((const pl_expect_rest *)object)->orientation_tolerance != 0;
+}
+
+static bool travel_has_tolerance(const void *object)
+{
+    return ((const pl_expect_travel *)object)->tolerance != 0;
+}
+
+static bool value_has_tolerance(const void *object)
+{
+    return ((const pl_expect_value *)object)->tolerance != 0;
+}
+
+static bool statistic_has_tolerance(const void *object)
+{
+    return ((const pl_expect_statistic *)object)->tolerance != 0;
+}
+
 static bool has_expectation(const void *object)
 {
     const pl_scene *scene = object;
@@ -97,7 +135,9 @@ static bool is_judged(const void *object)
 #define WORDS(names) .words = (names), .word_count = COUNT_OF(names)
 
 static const pl_field scene_fields[] = {
-    {"plumb_scene", PL_FIELD_VERSION, .line = 1, ALWAYS, .about = "version of this format"},
+    {"plumb_scene", PL_FIELD_VERSION, .line = 1, ALWAYS,
+     .about = "version of this format: 1, or 2 where an expectation has a tolerance; both are read "
+              "alike"},
     {"name", PL_FIELD_NAME, offsetof(pl_scene, name), .line = 2, .omit_default = true,
      .about = "for reports"},
     {"gravity", PL_FIELD_VECTOR, offsetof(pl_scene, gravity), .line = 3, DEFAULTED,
@@ -226,16 +266,18 @@ static const pl_field expect_fields[] = {
     {"primary", PL_FIELD_METRIC, offsetof(pl_scene, primary_error), .line = 4,
      WORDS(pl_primary_errors),
      .about = "the metric that reference_error copies; travel_error where there is a travel, "
-              "value_error where there is a value, else rest_position_error where there is a rest, "
-              "else none"},
+              "value_error where there is a value, rest_position_error where there is a rest, else "
+              "statistics_error where there is a statistic, else none"},
     {"collapse_distance", PL_FIELD_NUMBER, offsetof(pl_scene, collapse_distance), .line = 5,
      .range = PL_RANGE_POSITIVE_OR_INFINITE, .nullable = true, .applies = may_collapse, .unit = "m",
      .about = "a body of rest that ends farther away has collapsed. Half the smallest dimension of "
               "these bodies where it is not given; null: never"},
     {"acceptance", PL_FIELD_NUMBER, offsetof(pl_scene, acceptance), .line = 5,
      .range = PL_RANGE_POSITIVE_OR_INFINITE, .nullable = true, .applies = is_judged,
-     .about = "the largest primary error of an accurate run, in the unit of the primary metric; "
-              "without it no run is called accurate"},
+     .about =
+         "the largest primary error of an accurate run, in the unit of the primary metric, and "
+         "the tolerance of each expectation that states none; without acceptance and "
+         "tolerances no run is called accurate"},
 };
 
 static const pl_field rest_fields[] = {
@@ -243,6 +285,11 @@ static const pl_field rest_fields[] = {
     {"position", PL_FIELD_VECTOR, offsetof(pl_expect_rest, position), ALWAYS, .unit = "m"},
     {"orientation", PL_FIELD_QUATERNION, offsetof(pl_expect_rest, orientation),
      .applies = has_orientation, .about = "not judged where it is not given"},
+    {"tolerance", PL_FIELD_NUMBER, offsetof(pl_expect_rest, tolerance), POSITIVE,
+     .applies = rest_has_tolerance, .unit = "m", .about = "without it the scene's acceptance"},
+    {"orientation_tolerance", PL_FIELD_NUMBER, offsetof(pl_expect_rest, orientation_tolerance),
+     POSITIVE, .applies = rest_has_orientation_tolerance, .unit = "rad",
+     .about = "without it the scene's acceptance"},
 };
 
 static const pl_field travel_fields[] = {
@@ -254,6 +301,9 @@ static const pl_field travel_fields[] = {
     {"discrete", PL_FIELD_NUMBER, offsetof(pl_expect_travel, discrete), .omit_default = true,
      .range = PL_RANGE_NOT_ZERO, .unit = "m",
      .about = "the exact answer of semi-implicit Euler at this dt"},
+    {"tolerance", PL_FIELD_NUMBER, offsetof(pl_expect_travel, tolerance), POSITIVE,
+     .applies = travel_has_tolerance, .unit = "m",
+     .about = "without it the scene's acceptance, as a fraction of the distance"},
 };
 
 static const pl_field value_fields[] = {
@@ -274,6 +324,9 @@ static const pl_field value_fields[] = {
      .about = "the exact answer of semi-implicit Euler at this dt"},
     {"scale", PL_FIELD_NUMBER, offsetof(pl_expect_value, scale), DEFAULTED, POSITIVE,
      .about = "what the error is divided by"},
+    {"tolerance", PL_FIELD_NUMBER, offsetof(pl_expect_value, tolerance), POSITIVE,
+     .applies = value_has_tolerance,
+     .about = "in the quantity's unit; without it the scene's acceptance, times the scale"},
     {"answer", PL_FIELD_NUMBER, offsetof(pl_expect_value, answer), OMITTED,
      .range = PL_RANGE_NOT_NEGATIVE,
      .about =
@@ -290,6 +343,9 @@ static const pl_field statistic_fields[] = {
      .about = "95 % quantile of right runs, at least low"},
     {"scale", PL_FIELD_NUMBER, offsetof(pl_expect_statistic, scale), ALWAYS, POSITIVE,
      .about = "what the distance from low .. high is divided by"},
+    {"tolerance", PL_FIELD_NUMBER, offsetof(pl_expect_statistic, tolerance), POSITIVE,
+     .applies = statistic_has_tolerance,
+     .about = "in the metric's unit; without it the scene's acceptance, times the scale"},
 };
 
 /* ---- Objects ---- */

@@ -324,10 +324,11 @@ static double default_collapse_distance(const pl_scene *scene)
 static bool read_metric(reader *r, const json_t *expect, const pl_field *field)
 {
     pl_scene *scene = r->scene;
-    const char *metric = scene->travel_count > 0  ? "travel_error"
-                         : scene->value_count > 0 ? "value_error"
-                         : scene->rest_count > 0  ? "rest_position_error"
-                                                  : "";
+    const char *metric = scene->travel_count > 0      ? "travel_error"
+                         : scene->value_count > 0     ? "value_error"
+                         : scene->rest_count > 0      ? "rest_position_error"
+                         : scene->statistic_count > 0 ? "statistics_error"
+                                                      : "";
     scene->collapse_distance = default_collapse_distance(scene);
     if (!pl_json_string(expect, field->key, PL_OPTIONAL, "the name of a metric", &metric,
                         &r->diagnostic)) {
@@ -363,12 +364,13 @@ static bool read_expectations(reader *r, const json_t *object, const pl_field *f
 static bool read_version(reader *r, const json_t *json, const pl_field *field)
 {
     const json_t *version = json_object_get(json, field->key);
-    if (json_is_number(version) && json_number_value(version) == 1) {
+    const double number = json_is_number(version) ? json_number_value(version) : 0;
+    if (number == 1 || number == PL_SCENE_VERSION) {
         return true;
     }
     char found[PL_FOUND_SIZE];
-    return pl_diagnose_field(&r->diagnostic, field->key, "expected 1, found %s",
-                             pl_json_found(version, found));
+    return pl_diagnose_field(&r->diagnostic, field->key, "expected 1 or %d, found %s",
+                             PL_SCENE_VERSION, pl_json_found(version, found));
 }
 
 static bool read_field(reader *r, const json_t *json, const pl_field *field, void *item)

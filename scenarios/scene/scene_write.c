@@ -287,13 +287,33 @@ static bool is_written(const writer *w, const pl_object *table, const pl_field *
     }
 }
 
+/* Whether an expectation has a tolerance of its own, which version 1 does not know. */
+static bool has_tolerances(const pl_scene *scene)
+{
+    bool any = false;
+    for (int i = 0; i < scene->rest_count; ++i) {
+        const pl_expect_rest *rest = &scene->rests[i];
+        any = any || rest->tolerance > 0 || rest->orientation_tolerance > 0;
+    }
+    for (int i = 0; i < scene->travel_count; ++i) {
+        any = any || scene->travels[i].tolerance > 0;
+    }
+    for (int i = 0; i < scene->value_count; ++i) {
+        any = any || scene->values[i].tolerance > 0;
+    }
+    for (int i = 0; i < scene->statistic_count; ++i) {
+        any = any || scene->statistics[i].tolerance > 0;
+    }
+    return any;
+}
+
 static void put_value(writer *w, const pl_field *field, const void *object, int indent)
 {
     pl_text_buffer *json = &w->json;
     const void *value = pl_field_of(field, object);
     switch (field->type) {
     case PL_FIELD_VERSION:
-        pl_text_add(json, "1");
+        pl_text_add(json, has_tolerances(object) ? "2" : "1");
         break;
     case PL_FIELD_NUMBER:
         pl_text_add_number(json, *(const double *)value);

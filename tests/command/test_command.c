@@ -191,7 +191,8 @@ static void test_results_hold_every_key_of_the_schema(void **state)
         "repeat",   "outcome",   "reason",         "steps",          "metrics",    "final_poses",
         "output",   "host",      "plumb",          "command",        "started",    "engine_binary",
         "substeps", "read_back", "engine_spec",    "conformance",    "as_shipped", "acceptance",
-        "note",     "verdict",   "verdict_reason", "engine_runtime", "threads"};
+        "note",     "verdict",   "verdict_reason", "engine_runtime", "threads",    "off",
+        "off_count"};
     plumb_output output = call(*state, "run @ --engine % --json -");
     json_t *result = parse(output.out);
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {

@@ -24,7 +24,8 @@ static pl_scene box_scene(void)
 
 static void expect(pl_scene *scene, pl_statistic metric, double low, double high, double scale)
 {
-    const pl_expect_statistic statistic = {metric, low, high, scale};
+    const pl_expect_statistic statistic = {
+        .metric = metric, .low = low, .high = high, .scale = scale};
     assert_int_equal(pl_scene_add_statistic(scene, &statistic, NULL), PL_OK);
 }
 

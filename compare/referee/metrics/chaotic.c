@@ -35,6 +35,11 @@ static const pl_metric_id statistics[PL_STATISTIC_COUNT] = {
     [PL_STATISTIC_SPREAD_Y] = PL_METRIC_SPREAD_Y,
     [PL_STATISTIC_ENERGY_LOST] = PL_METRIC_ENERGY_LOST};
 
+pl_metric_id pl_statistic_metric(pl_statistic statistic)
+{
+    return statistics[statistic];
+}
+
 /* Raises `largest` to `value`, of the part called `name`. */
 static void raise_to(pl_metric *largest, const char *name, double value)
 {

@@ -11,4 +11,7 @@
  * part that has a value is PL_METRIC_FAILED. */
 void pl_chaotic_metrics(const pl_scene *scene, pl_metric *item);
 
+/* The metric that a statistic reads. */
+pl_metric_id pl_statistic_metric(pl_statistic statistic);
+
 #endif

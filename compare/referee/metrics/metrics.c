@@ -49,6 +49,13 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
          "max of penetration_max p99 / L, penetration_max / (10 L), energy_gain, momentum_error "
          "and statistics_error, each where it has a value, and of 1e-3, its resolution; L is the "
          "least dimension of the smallest dynamic body; computed where it is the primary error"},
+    [PL_METRIC_EXPECTATION_ERROR] =
+        {"expectation_error", "1", PL_LOWER_IS_BETTER, true,
+         "max over all that the scene expects (rests, orientations, travels, values, statistics) "
+         "of "
+         "the distance from it over its tolerance; at most 1 is right; the tolerance is the "
+         "expectation's own, or else follows from the scene's acceptance; absent where nothing has "
+         "a tolerance"},
     [PL_METRIC_PATH_DEVIATION] =
         {"path_deviation", "m", PL_LOWER_IS_BETTER, true,
          "max over steps and travelling bodies of the distance of the centre from the line of "

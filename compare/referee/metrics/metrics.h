@@ -17,6 +17,7 @@ typedef enum pl_metric_id {
     PL_METRIC_DISCRETE_ERROR,
     PL_METRIC_STATISTICS_ERROR,
     PL_METRIC_CHAOTIC_ERROR,
+    PL_METRIC_EXPECTATION_ERROR,
     PL_METRIC_PATH_DEVIATION,
     PL_METRIC_LIFT,
     PL_METRIC_PENETRATION_MAX,
@@ -34,7 +35,7 @@ typedef enum pl_metric_id {
     PL_METRIC_SIGNORINI,
     PL_METRIC_NATURAL_MAP,
     PL_METRIC_SETTLE_TIME,
-    PL_METRIC_SPREAD_X, /* these five: only with two dynamic bodies or more */
+    PL_METRIC_SPREAD_X, /* these two: only with two dynamic bodies or more */
     PL_METRIC_SPREAD_Y,
     PL_METRIC_MASS_HEIGHT,
     PL_METRIC_RUN_OUT_P95,
@@ -107,9 +108,21 @@ __attribute__((format(printf, 1, 2)))
 pl_metric
 pl_metric_failed(const char *format, ...);
 
+/* The most expectations that are named. */
+enum { PL_MOST_DEVIATIONS = 3 };
+
+/* The expectations of the scene that a run is off by more than their tolerance, worst first. */
+typedef struct pl_deviations {
+    int off; /* how many there are */
+    char text[PL_MOST_DEVIATIONS]
+             [192]; /* such as: turn of "box": 0.1 rad, expected within 0.01 rad */
+    double ratio[PL_MOST_DEVIATIONS]; /* distance over tolerance, above 1, descending */
+} pl_deviations;
+
 /* All metrics of one run. */
 typedef struct pl_metrics {
     pl_metric item[PL_METRIC_COUNT]; /* indexed by pl_metric_id */
+    pl_deviations deviations;
 } pl_metrics;
 
 /* A sentence for people about a run that ended well; empty: nothing to say. */

@@ -370,8 +370,10 @@ static void spread_metrics(pl_motion *m, const pl_body_state *last, pl_metric *i
     double strength = pl_vec_length(g);
     pl_vec up = strength > 0 ? pl_vec_scale(g, -1 / strength) : (pl_vec){0, 0, 0};
     read_centres(m->scene, last, m->last);
-    item[PL_METRIC_SPREAD_X] = pl_metric_value(deviation_along(m, (pl_vec){1, 0, 0}));
-    item[PL_METRIC_SPREAD_Y] = pl_metric_value(deviation_along(m, (pl_vec){0, 1, 0}));
+    if (m->dynamic_count > 1) {
+        item[PL_METRIC_SPREAD_X] = pl_metric_value(deviation_along(m, (pl_vec){1, 0, 0}));
+        item[PL_METRIC_SPREAD_Y] = pl_metric_value(deviation_along(m, (pl_vec){0, 1, 0}));
+    }
     item[PL_METRIC_RUN_OUT_P95] = pl_metric_value(run_out(m, up));
     if (strength > 0) {
         item[PL_METRIC_MASS_HEIGHT] = pl_metric_value(mass_height(m, up));
@@ -411,7 +413,7 @@ void pl_motion_metrics(pl_motion *m, long steps, const pl_body_state *last, pl_m
         item[PL_METRIC_PATH_DEVIATION] = pl_series_metric(&m->deviation, m->deviation.max);
     }
     drift_metrics(m, item);
-    if (m->dynamic_count > 1) {
+    if (m->dynamic_count > 0) {
         spread_metrics(m, last, item);
     }
 }

@@ -240,24 +240,36 @@ static void raise_to_nearest(pl_metric *metric, const answer_errors *errors)
     }
 }
 
+const pl_scene *pl_values_scene(const pl_values *values)
+{
+    return values->scene;
+}
+
+double pl_values_found(const pl_values *values, int index)
+{
+    const reading *r = &values->items[index];
+    const pl_expect_value *e = r->expected;
+    if (e->quantity != PL_QUANTITY_PERIOD) {
+        return r->found;
+    }
+    if (r->crossings >= 2) {
+        return (r->last_crossing - r->first_crossing) / (double)(r->crossings - 1);
+    }
+    /* A right engine shows one in twice its time: then the error is the whole period. */
+    return e->until - e->from < 2 * e->value ? (double)NAN : 0;
+}
+
 static pl_metric value_error(const pl_values *values)
 {
     pl_metric metric = {0};
     answer_errors errors = no_errors();
     for (int i = 0; i < values->scene->value_count; ++i) {
-        const reading *r = &values->items[i];
-        const pl_expect_value *e = r->expected;
-        double found = r->found;
-        if (e->quantity == PL_QUANTITY_PERIOD && r->crossings < 2) {
-            if (e->until - e->from < 2 * e->value) {
-                return pl_metric_failed("no whole period was seen from %g to %g s", e->from,
-                                        e->until);
-            }
-            found = 0; /* a right engine shows one: the error is the whole period */
-        } else if (e->quantity == PL_QUANTITY_PERIOD) {
-            found = (r->last_crossing - r->first_crossing) / (double)(r->crossings - 1);
+        const pl_expect_value *e = values->items[i].expected;
+        const double found = pl_values_found(values, i);
+        if (isnan(found) && e->quantity == PL_QUANTITY_PERIOD) {
+            return pl_metric_failed("no whole period was seen from %g to %g s", e->from, e->until);
         }
-        add_error(&errors, r, fabs(found - e->value));
+        add_error(&errors, &values->items[i], fabs(found - e->value));
     }
     raise_to_nearest(&metric, &errors);
     return metric;
@@ -301,10 +313,8 @@ static pl_metric rest_rotation_error(const pl_scene *scene, const pl_body_state 
     return metric;
 }
 
-/* How far the body is from where a displacement of `distance` along its travel, from the scene's
- * position, takes it, m. */
-static double off_travel(const pl_scene *scene, const pl_body_state *bodies,
-                         const pl_expect_travel *travel, double distance)
+double pl_off_travel(const pl_scene *scene, const pl_body_state *bodies,
+                     const pl_expect_travel *travel, double distance)
 {
     const pl_vec from = pl_vec_of(scene->bodies[travel->body].position);
     const pl_vec to = pl_vec_mad(from, distance, pl_vec_of(travel->direction));
@@ -317,7 +327,7 @@ static pl_metric travel_error(const pl_scene *scene, const pl_body_state *bodies
     for (int i = 0; i < scene->travel_count; ++i) {
         const pl_expect_travel *travel = &scene->travels[i];
         raise_to(&metric,
-                 off_travel(scene, bodies, travel, travel->distance) / fabs(travel->distance));
+                 pl_off_travel(scene, bodies, travel, travel->distance) / fabs(travel->distance));
     }
     return metric;
 }
@@ -363,7 +373,7 @@ static pl_metric discrete_error_of(const pl_values *values, const pl_body_state 
         if (isnan(answer)) {
             return no_discrete_answer(values, travel->body);
         }
-        const double error = off_travel(scene, bodies, travel, answer);
+        const double error = pl_off_travel(scene, bodies, travel, answer);
         raise_to(&metric, beyond(error, values->travels[i].value) / fabs(answer));
     }
     for (int i = 0; i < scene->value_count; ++i) {

@@ -28,6 +28,18 @@ void pl_values_see(pl_values *values, long step, const pl_body_state *bodies);
 void pl_reference_metrics(const pl_values *values, const pl_body_state *last,
                           const pl_integrator_votes *votes, pl_metric *item);
 
+/* The scene that the values are of. */
+const pl_scene *pl_values_scene(const pl_values *values);
+
+/* What the frames show of value number `index`, in its unit. A period that a run should have shown and
+ * did not is 0; NAN: the run is too short to show it. */
+double pl_values_found(const pl_values *values, int index);
+
+/* How far the body is from where a displacement of `distance` along its travel, from the scene's
+ * position, takes it, m. */
+double pl_off_travel(const pl_scene *scene, const pl_body_state *bodies,
+                     const pl_expect_travel *travel, double distance);
+
 /* Index into scene->rests of the body that is farthest from its rest, and its distance, m; -1 if no
  * body is expected to rest. */
 int pl_farthest_from_rest(const pl_scene *scene, const pl_body_state *bodies, double *distance);

@@ -3,8 +3,9 @@
  *   h V + h^2 (|g| + F/m) + D
  *
  * V is the largest speed of a point of the island's bodies before or after the step: within the step
- * bodies hand velocities on, and none gets more than the fastest had. F is the sum of the scene's
- * forces on the body. D is the sum of the depths of the island's overlaps before and after the step,
+ * bodies hand velocities on. Where bodies rebound, several can hand theirs to one, which may then have
+ * the whole kinetic energy E of the island: there V is sqrt(2 E / m), if that is more. F is the sum of
+ * the scene's forces on the body. D is the sum of the depths of the island's overlaps before and after the step,
  * by which an engine may push bodies out. What goes beyond is a jump.
  *
  * A body that meets no other in a step has v' = v + h g, with any integrator and any number of
@@ -23,6 +24,8 @@ struct pl_unexplained_motion {
     double *acceleration; /* (body_count): |g| + F/m, m/s^2 */
     double *speed;        /* (body_count): of an island, by its root, m/s */
     double *depth;        /* (body_count): of an island, by its root, m */
+    double *energy;       /* (body_count): kinetic, of an island, by its root, at most, J */
+    bool rebounds;        /* a pair of materials has restitution */
 };
 
 pl_unexplained_motion *pl_unexplained_motion_create(const pl_scene *scene, pl_arena *arena)
@@ -37,9 +40,16 @@ pl_unexplained_motion *pl_unexplained_motion_create(const pl_scene *scene, pl_ar
                                  .acceleration =
                                      pl_arena_take(arena, count, sizeof *m->acceleration),
                                  .speed = pl_arena_take(arena, count, sizeof *m->speed),
-                                 .depth = pl_arena_take(arena, count, sizeof *m->depth)};
+                                 .depth = pl_arena_take(arena, count, sizeof *m->depth),
+                                 .energy = pl_arena_take(arena, count, sizeof *m->energy)};
     if (arena->failed) {
         return NULL;
+    }
+    for (int i = 0; i < scene->material_count; ++i) {
+        m->rebounds = m->rebounds || scene->materials[i].restitution > 0;
+    }
+    for (int i = 0; i < scene->pair_count; ++i) {
+        m->rebounds = m->rebounds || scene->pairs[i].restitution > 0;
     }
     for (int i = 0; i < scene->body_count; ++i) {
         m->radius[i] = pl_bounding_radius(&scene->bodies[i].shape);
@@ -62,6 +72,13 @@ static double speed_of(const pl_unexplained_motion *m, int body, const pl_body_s
            m->radius[body] * pl_vec_length(pl_vec_of(state->angular_velocity));
 }
 
+/* The largest speed that a body of the island, whose root is `root`, can have had in the step. */
+static double explained_speed(const pl_unexplained_motion *m, int body, int root)
+{
+    const double alone = sqrt(2 * m->energy[root] / m->scene->bodies[body].mass);
+    return m->rebounds ? fmax(m->speed[root], alone) : m->speed[root];
+}
+
 double pl_unexplained_motion_of(pl_unexplained_motion *m, pl_touching *touching,
                                 const pl_body_state *before, const pl_body_state *after)
 {
@@ -70,12 +87,14 @@ double pl_unexplained_motion_of(pl_unexplained_motion *m, pl_touching *touching,
     double most = 0;
     memset(m->speed, 0, (size_t)scene->body_count * sizeof *m->speed);
     memset(m->depth, 0, (size_t)scene->body_count * sizeof *m->depth);
+    memset(m->energy, 0, (size_t)scene->body_count * sizeof *m->energy);
     for (int i = 0; i < scene->body_count; ++i) {
         if (!scene->bodies[i].is_static) {
             const int root = pl_touching_island(touching, i);
             const double speed = fmax(speed_of(m, i, &before[i]), speed_of(m, i, &after[i]));
             m->speed[root] = fmax(m->speed[root], speed);
             m->depth[root] += pl_touching_depth(touching, i);
+            m->energy[root] += 0.5 * scene->bodies[i].mass * speed * speed;
         }
     }
     for (int i = 0; i < scene->body_count; ++i) {
@@ -85,7 +104,7 @@ double pl_unexplained_motion_of(pl_unexplained_motion *m, pl_touching *touching,
             const double moved = pl_vec_length(
                 pl_vec_sub(pl_state_centre(body, &after[i]), pl_state_centre(body, &before[i])));
             const double explained =
-                h * m->speed[root] + h * h * m->acceleration[i] + m->depth[root];
+                h * explained_speed(m, i, root) + h * h * m->acceleration[i] + m->depth[root];
             most = fmax(most, (moved - explained) / m->radius[i]);
         }
     }

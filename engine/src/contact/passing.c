@@ -124,11 +124,13 @@ static void move_back(const pe_approach *p, pe_vec3 shift, pe_pair_manifold *man
     }
 }
 
-/* Whether these manifolds keep the pair apart for the whole step, up to an overlap of `slack`. */
+/* Whether these manifolds keep the pair apart for the whole step, up to an overlap of `slack`, and by no
+ * wide gap: a body that others deflect in the step would cross it unnoticed. */
 static bool keep_apart(const pe_approach *p, const pe_pair_manifold *manifolds, int count,
                        double least, double slack)
 {
-    bool apart = count > 0 && least_separation(manifolds, count) >= -slack;
+    const double gap = least_separation(manifolds, count);
+    bool apart = gap >= -slack && gap <= PE_PASSING_GAP * pe_min(p->a.size, p->b.size) + slack;
     for (int i = 0; i < count && apart; ++i) {
         apart = !closes(p, &manifolds[i], least, -slack);
     }

@@ -115,10 +115,12 @@ typedef struct pl_force {
 
 /* The final pose that a right engine reaches. */
 typedef struct pl_expect_rest {
-    int body;              /* index */
-    double position[3];    /* of the shape's frame, m */
-    double orientation[4]; /* unit quaternion (w, x, y, z) */
-    bool has_orientation;  /* else the orientation is not judged */
+    int body;                     /* index */
+    double position[3];           /* of the shape's frame, m */
+    double orientation[4];        /* unit quaternion (w, x, y, z) */
+    bool has_orientation;         /* else the orientation is not judged */
+    double tolerance;             /* m, of the distance; 0: the scene's acceptance */
+    double orientation_tolerance; /* rad; 0: the scene's acceptance */
 } pl_expect_rest;
 
 /* The distance that a body moves along one line by the end of the run. */
@@ -127,6 +129,7 @@ typedef struct pl_expect_travel {
     double direction[3]; /* unit, world */
     double distance;     /* m, of the continuous problem */
     double discrete; /* m, the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
+    double tolerance; /* m; 0: the scene's acceptance, as a fraction of the distance */
 } pl_expect_travel;
 
 /* A number that is read from the path of one body. */
@@ -154,9 +157,10 @@ typedef struct pl_expect_value {
     double from;          /* s: the beginning of the interval of an apex or a period */
     double until;         /* s: when the quantity is read, or the end of that interval */
     double value;         /* of the continuous problem */
-    double discrete; /* the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
-    double scale;    /* > 0, in the quantity's unit: what the error is divided by */
-    double answer;   /* of a scene with several right answers, the number from 1 of the one that the
+    double discrete;  /* the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
+    double scale;     /* > 0, in the quantity's unit: what the error is divided by */
+    double tolerance; /* in the quantity's unit; 0: the scene's acceptance, times the scale */
+    double answer; /* of a scene with several right answers, the number from 1 of the one that the
                         value belongs to; 0: it belongs to all */
 } pl_expect_value;
 
@@ -182,6 +186,7 @@ typedef struct pl_expect_statistic {
     double low;          /* in the metric's unit */
     double high;         /* >= low */
     double scale;        /* > 0: what the distance from the interval is divided by */
+    double tolerance;    /* in the metric's unit; 0: the scene's acceptance, times the scale */
 } pl_expect_statistic;
 
 /* A scene. Begins as pl_scene_default and is freed by pl_scene_free. */

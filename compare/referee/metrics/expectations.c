@@ -1,0 +1,195 @@
+#include "expectations.h"
+
+#include "chaotic.h"
+#include "plumb/vec.h"
+#include "referee/geometry/solid.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A number that was found, and the interval, with a tolerance on both sides, in which it is right. */
+typedef struct judged {
+    const char *name; /* of the quantity */
+    const char *body; /* NULL: of the whole scene */
+    const char *unit; /* with a space before it */
+    double found;     /* a distance from what is expected where low and high are 0 */
+    double low, high; /* equal, except of a statistic */
+    double tolerance; /* not finite: none */
+} judged;
+
+static const struct {
+    const char *name, *unit;
+} quantities[PL_QUANTITY_COUNT] = {
+    [PL_QUANTITY_POSITION] = {"position", " m"}, [PL_QUANTITY_VELOCITY] = {"velocity", " m/s"},
+    [PL_QUANTITY_SPIN] = {"spin", " rad/s"},     [PL_QUANTITY_TURN] = {"turn", " rad"},
+    [PL_QUANTITY_APEX] = {"apex", " m"},         [PL_QUANTITY_PERIOD] = {"period", " s"}};
+
+/* ---- Texts ---- */
+
+/* The distance of a number from an interval. */
+static double outside(double found, double low, double high)
+{
+    return fmax(fmax(low - found, found - high), 0);
+}
+
+/* Writes the number with so many digits, and returns it as a reader sees it. */
+static double print_number(char text[32], int digits, double number)
+{
+    snprintf(text, 32, "%.*g", digits, number == 0 ? 0 : number);
+    return strtod(text, NULL);
+}
+
+/* With as many digits, three or more, as a reader needs to see that the number is off. */
+static void describe(const judged *j, char *text, size_t size)
+{
+    char found[32], low[32], high[32], bound[32], of[PL_NAME_SIZE + 8] = "";
+    for (int digits = 3; digits <= 17; ++digits) {
+        const double f = print_number(found, digits, j->found);
+        const double l = print_number(low, digits, j->low);
+        const double h = print_number(high, digits, j->high);
+        if (outside(f, l, h) > print_number(bound, digits, j->tolerance)) {
+            break;
+        }
+    }
+    if (j->body != NULL) {
+        snprintf(of, sizeof of, " of \"%s\"", j->body);
+    }
+    const char *between = j->low < j->high ? " to " : "";
+    const bool is_distance = j->low == 0 && j->high == 0;
+    snprintf(text, size, "%s%s: %s%s, expected %s%s%s%s%swithin %s%s", j->name, of,
+             is_distance && found[0] == '-' ? found + 1 : found, j->unit, is_distance ? "" : low,
+             between, j->low < j->high ? high : "", is_distance ? "" : j->unit,
+             is_distance ? "" : " ", bound, j->unit);
+}
+
+/* ---- Judging ---- */
+
+typedef struct judging {
+    pl_metric *metric;
+    pl_deviations *deviations;
+} judging;
+
+/* Puts a deviation at its place among the worst ones. */
+static void keep(pl_deviations *d, const judged *j, double ratio)
+{
+    int at = d->off < PL_MOST_DEVIATIONS ? d->off : PL_MOST_DEVIATIONS;
+    d->off += 1;
+    while (at > 0 && ratio > d->ratio[at - 1]) {
+        --at;
+    }
+    if (at == PL_MOST_DEVIATIONS) {
+        return;
+    }
+    for (int i = PL_MOST_DEVIATIONS - 1; i > at; --i) {
+        d->ratio[i] = d->ratio[i - 1];
+        memcpy(d->text[i], d->text[i - 1], sizeof d->text[i]);
+    }
+    d->ratio[at] = ratio;
+    describe(j, d->text[at], sizeof d->text[at]);
+}
+
+static void judge(const judging *to, const judged *j)
+{
+    if (!isfinite(j->tolerance) || isnan(j->found)) {
+        return;
+    }
+    const double off = outside(j->found, j->low, j->high), ratio = off / j->tolerance;
+    if (to->metric->state != PL_METRIC_VALUE || ratio > to->metric->value) {
+        *to->metric = pl_metric_value(ratio);
+    }
+    if (off > j->tolerance) {
+        keep(to->deviations, j, ratio);
+    }
+}
+
+/* The tolerance that is stated, else that many units of the scene's acceptance. */
+static double tolerance_of(const pl_scene *scene, double stated, double units)
+{
+    return stated > 0 ? stated : scene->acceptance * units;
+}
+
+static void judge_rests(const pl_scene *scene, const pl_body_state *last, const judging *to)
+{
+    for (int i = 0; i < scene->rest_count; ++i) {
+        const pl_expect_rest *rest = &scene->rests[i];
+        const pl_body *body = &scene->bodies[rest->body];
+        const pl_body_state *now = &last[rest->body];
+        judged j = {.name = "rest", .body = body->name, .unit = " m"};
+        j.found = pl_vec_length(pl_vec_sub(pl_vec_of(now->position), pl_vec_of(rest->position)));
+        j.tolerance = tolerance_of(scene, rest->tolerance, 1);
+        judge(to, &j);
+        if (rest->has_orientation && body->shape.kind != PL_SHAPE_SPHERE) {
+            j = (judged){.name = "orientation", .body = body->name, .unit = " rad"};
+            j.found = pl_angle_between(rest->orientation, now->orientation);
+            j.tolerance = tolerance_of(scene, rest->orientation_tolerance, 1);
+            judge(to, &j);
+        }
+    }
+}
+
+static void judge_travels(const pl_scene *scene, const pl_body_state *last, const judging *to)
+{
+    for (int i = 0; i < scene->travel_count; ++i) {
+        const pl_expect_travel *travel = &scene->travels[i];
+        const judged j = {
+            .name = "end of the travel",
+            .body = scene->bodies[travel->body].name,
+            .unit = " m",
+            .found = pl_off_travel(scene, last, travel, travel->distance),
+            .tolerance = tolerance_of(scene, travel->tolerance, fabs(travel->distance)),
+        };
+        judge(to, &j);
+    }
+}
+
+/* Of several right answers the nearest one counts. */
+static void judge_values(const pl_values *values, const pl_scene *scene, int answer,
+                         const judging *to)
+{
+    for (int i = 0; i < scene->value_count; ++i) {
+        const pl_expect_value *value = &scene->values[i];
+        const judged j = {
+            .name = quantities[value->quantity].name,
+            .body = scene->bodies[value->body].name,
+            .unit = quantities[value->quantity].unit,
+            .found = pl_values_found(values, i),
+            .low = value->value,
+            .high = value->value,
+            .tolerance = tolerance_of(scene, value->tolerance, value->scale),
+        };
+        if (value->answer == 0 || (int)value->answer == answer) {
+            judge(to, &j);
+        }
+    }
+}
+
+static void judge_statistics(const pl_scene *scene, const pl_metric *item, const judging *to)
+{
+    for (int i = 0; i < scene->statistic_count; ++i) {
+        const pl_expect_statistic *statistic = &scene->statistics[i];
+        const pl_metric_id id = pl_statistic_metric(statistic->metric);
+        const judged j = {
+            .name = pl_metric_table[id].name,
+            .unit = statistic->metric == PL_STATISTIC_ENERGY_LOST ? " J" : " m",
+            .found = item[id].state == PL_METRIC_VALUE ? item[id].value : (double)NAN,
+            .low = statistic->low,
+            .high = statistic->high,
+            .tolerance = tolerance_of(scene, statistic->tolerance, statistic->scale),
+        };
+        judge(to, &j);
+    }
+}
+
+void pl_expectations_judge(const pl_values *values, const pl_body_state *last, pl_metric *item,
+                           pl_deviations *deviations)
+{
+    const pl_scene *scene = pl_values_scene(values);
+    const judging to = {&item[PL_METRIC_EXPECTATION_ERROR], deviations};
+    *deviations = (pl_deviations){0};
+    judge_rests(scene, last, &to);
+    judge_travels(scene, last, &to);
+    judge_values(values, scene, item[PL_METRIC_VALUE_ERROR].answer, &to);
+    judge_statistics(scene, item, &to);
+}

@@ -1,0 +1,17 @@
+/* The verdict's data: everything that a scene states, each thing with its tolerance, and how far a run
+ * is off.
+ *
+ * The tolerance of an expectation is its own, in its own unit. Without one it follows from the scene's
+ * acceptance: that many metres of a rest, and radians of its orientation; that fraction of a travel's
+ * distance; that many scales of a value or a statistic. Without either the expectation is not judged. */
+#ifndef PLUMB_EXPECTATIONS_H
+#define PLUMB_EXPECTATIONS_H
+
+#include "reference_error.h"
+
+/* Judges the last state, (body_count), and what the frames have shown. `item` (PL_METRIC_COUNT) has the
+ * other metrics, and gets expectation_error. A period that the run was too short to show is left out. */
+void pl_expectations_judge(const pl_values *values, const pl_body_state *last, pl_metric *item,
+                           pl_deviations *deviations);
+
+#endif
