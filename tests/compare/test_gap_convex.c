@@ -365,9 +365,58 @@ static void test_plane_gap_is_the_reach_against_its_normal(void **state)
     pl_scene_free(&p.scene);
 }
 
+/* Two wedges whose ridges cross: the lower one's lies at z = 0, the upper one's at z = height. The
+ * frame of the upper one's vertices is in the middle of the ridge of the lower one, or at a random place
+ * near it. */
+static void place_wedges(pool *p, pose_pair *pair, double height, bool in_middle)
+{
+    pl_placed_shape *const placed[2] = {&pair->a, &pair->b};
+    pl_shape *const shapes[2] = {&pair->shape_a, &pair->shape_b};
+    for (int i = 0; i < 2; ++i) {
+        const double up = i == 0 ? -1 : 1, turn = i * check_uniform(&p->random, 0.2, 2.9);
+        double points[6][3];
+        for (int k = 0; k < 6; ++k) {
+            const double along = k % 2 == 0 ? -1 : 1, side = k < 2 ? 0.5 : -0.5;
+            const double across = k < 4 ? side : 0;
+            points[k][0] = cos(turn) * across - sin(turn) * along;
+            points[k][1] = sin(turn) * across + cos(turn) * along;
+            points[k][2] = k < 4 ? 3 * up : 0;
+        }
+        const pl_polyhedron *hull;
+        assert_int_equal(
+            pl_scene_add_hull(&p->scene, NULL, (const double(*)[3])points, 6, &hull, NULL), PL_OK);
+        *shapes[i] = pl_shape_of(hull);
+        placed[i]->shape = shapes[i];
+        placed[i]->position[0] = in_middle ? 0 : i * check_uniform(&p->random, -0.1, 0.1);
+        placed[i]->position[1] = in_middle ? 0 : i * check_uniform(&p->random, -0.5, 0.5);
+        placed[i]->position[2] = i * height;
+        placed[i]->orientation[0] = 1;
+    }
+}
+
+static void test_crossing_edges_that_touch_have_a_gap(void **state)
+{
+    (void)state;
+    pool p;
+    fill_pool(&p, 23);
+    for (int i = 0; i < 400; ++i) {
+        static const double heights[] = {0,    1e-15, -1e-15, 1e-12, -1e-12,
+                                         1e-9, -1e-9, 1e-6,   -1e-6, 1e-3};
+        const double height = heights[i % 10];
+        pose_pair pair;
+        double gap = (double)NAN;
+        memset(&pair, 0, sizeof pair);
+        place_wedges(&p, &pair, height, i % 20 < 10);
+        assert_int_equal(pl_gap(&pair.a, &pair.b, 1, &gap), PL_OK);
+        assert_close(gap, height, 1e-9, 0);
+    }
+    pl_scene_free(&p.scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_crossing_edges_that_touch_have_a_gap),
         cmocka_unit_test(test_gap_of_every_pair_equals_dense_direction_sweep),
         cmocka_unit_test(test_gap_is_independent_of_order_and_place),
         cmocka_unit_test(test_closed_forms_equal_gjk_and_epa),

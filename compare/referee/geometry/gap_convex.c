@@ -78,6 +78,7 @@ typedef struct convex {
     const pl_shape *shape;
     pl_axes axes;
     pl_vec origin; /* of the shape's frame, less the query's centre */
+    pl_vec middle; /* the centre of mass, a point inside, less the query's centre */
     query *shared;
 } convex;
 
@@ -226,7 +227,7 @@ static void query_apart(const convex *a, const convex *b, pl_vec apart)
  * moved apart a little, centre from centre. */
 static void probe_touching(const convex *a, const convex *b)
 {
-    pl_vec c = pl_vec_sub(b->origin, a->origin);
+    pl_vec c = pl_vec_sub(b->middle, a->middle);
     double length = pl_vec_length(c);
     if (length > 0) {
         query_apart(a, b, pl_vec_scale(c, PULL_APART / length));
@@ -296,6 +297,9 @@ static pl_status core_depth(const convex *a, const convex *b, double *gap)
         }
         ccd.epa_tolerance *= 1e-2;
     }
+    if (fabs(best - shared->lower) > certified) {
+        descend(a, b);
+    }
     *gap = shared->lower;
     return fabs(best - shared->lower) <= certified ? PL_OK : PL_FAILED;
 }
@@ -304,7 +308,7 @@ static pl_status core_depth(const convex *a, const convex *b, double *gap)
 static pl_status core_gap(const convex *a, const convex *b, double *gap)
 {
     query *shared = a->shared;
-    shared->first = pl_vec_sub(b->origin, a->origin);
+    shared->first = pl_vec_sub(b->middle, a->middle);
     double upper = core_distance(a, b);
     if (shared->lower > shared->within || upper - shared->lower <= EXACT) {
         *gap = shared->lower;
@@ -316,7 +320,9 @@ static pl_status core_gap(const convex *a, const convex *b, double *gap)
 static convex place(const pl_placed_shape *placed, query *shared)
 {
     pl_vec origin = pl_vec_sub(pl_vec_of(placed->position), shared->centre);
-    return (convex){placed->shape, pl_axes_of(placed->orientation), origin, shared};
+    pl_vec middle = pl_centre_of_mass(placed->shape, placed->position, placed->orientation);
+    return (convex){placed->shape, pl_axes_of(placed->orientation), origin,
+                    pl_vec_sub(middle, shared->centre), shared};
 }
 
 static bool is_bounded_and_convex(const pl_shape *shape)
@@ -341,7 +347,7 @@ double pl_distance_convex(const pl_placed_shape *a, const pl_placed_shape *b, do
 {
     query shared = begin(a, b, within);
     convex object_a = place(a, &shared), object_b = place(b, &shared);
-    shared.first = pl_vec_sub(object_b.origin, object_a.origin);
+    shared.first = pl_vec_sub(object_b.middle, object_a.middle);
     (void)core_distance(&object_a, &object_b);
     double radii = pl_core_radius(a->shape) + pl_core_radius(b->shape);
     return fmax(shared.lower / shared.scale - radii, 0);
