@@ -56,8 +56,12 @@ static bool is_of_expectations(const char *metric)
     return found;
 }
 
-/* Appends to the reason. */
-static void add(char *reason, size_t size, const char *format, ...)
+/* Appends to the reason, as printf. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+static void
+add(char *reason, size_t size, const char *format, ...)
 {
     const size_t length = strlen(reason);
     va_list arguments;
