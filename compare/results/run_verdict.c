@@ -75,13 +75,14 @@ static const char *separator(const char *reason)
     return reason[0] == '\0' ? "" : "; ";
 }
 
-/* Names the expectations that the run is off, worst first. False: there are none. */
-static bool name_deviations(const json_t *result, char *reason, size_t size)
+/* Names the expectations that the run is off, worst first, up to `most`. False: there are none. */
+static bool name_deviations(const json_t *result, size_t most, char *reason, size_t size)
 {
     const json_t *list = json_object_get(result, "off");
     const json_int_t count = json_integer_value(json_object_get(result, "off_count"));
-    const json_int_t named = (json_int_t)json_array_size(list);
-    for (size_t i = 0; i < json_array_size(list); ++i) {
+    const size_t length = json_array_size(list);
+    const json_int_t named = (json_int_t)(length < most ? length : most);
+    for (size_t i = 0; i < (size_t)named; ++i) {
         add(reason, size, "%s%s", separator(reason),
             pl_json_get_text(json_array_get(list, i), "what"));
     }
@@ -148,11 +149,14 @@ static pl_verdict judge_errors(const json_t *result, char *reason, size_t size)
         verdict = PL_VERDICT_ACCURATE; /* unless an expectation is off */
         of_primary[0] = '\0';
     }
-    if (name_deviations(result, of_expectations, sizeof of_expectations)) {
+    /* A note describes how the worst of many bodies has moved. */
+    const char *note = pl_json_get_text(result, "note");
+    const size_t most = note[0] != '\0' ? 1 : PL_MOST_DEVIATIONS;
+    if (name_deviations(result, most, of_expectations, sizeof of_expectations)) {
         verdict = PL_VERDICT_INACCURATE;
     }
-    const char *parts[] = {verdict == PL_VERDICT_INACCURATE ? pl_json_get_text(result, "note") : "",
-                           of_expectations, of_primary};
+    const char *parts[] = {verdict == PL_VERDICT_INACCURATE ? note : "", of_expectations,
+                           of_primary};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
         add(reason, size, "%s%s", parts[i][0] != '\0' ? separator(reason) : "", parts[i]);
     }

@@ -301,6 +301,10 @@ static bool check_expected(const pl_scene *scene, const pl_expect_value *value,
                            pl_diagnostic *diagnostic)
 {
     return check_times(scene, value, diagnostic) &&
+           pl_check_number(diagnostic, "number", value->number,
+                           value->number == floor(value->number) &&
+                               (value->number == 0 || value->quantity == PL_QUANTITY_APEX),
+                           "a whole number, 0 except of an apex") &&
            pl_check_number(diagnostic, "answer", value->answer,
                            value->answer == floor(value->answer) && value->answer <= PL_MAX_ANSWERS,
                            "a whole number of 0 to 8");

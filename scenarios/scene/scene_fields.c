@@ -31,9 +31,14 @@ const char *const pl_shape_names[PL_SHAPE_KIND_COUNT] = {
     [PL_SHAPE_MESH] = "mesh"};
 
 static const char *const quantity_names[PL_QUANTITY_COUNT] = {
-    [PL_QUANTITY_POSITION] = "position", [PL_QUANTITY_VELOCITY] = "velocity",
-    [PL_QUANTITY_SPIN] = "spin",         [PL_QUANTITY_TURN] = "turn",
-    [PL_QUANTITY_APEX] = "apex",         [PL_QUANTITY_PERIOD] = "period"};
+    [PL_QUANTITY_POSITION] = "position",   [PL_QUANTITY_VELOCITY] = "velocity",
+    [PL_QUANTITY_SPIN] = "spin",           [PL_QUANTITY_TURN] = "turn",
+    [PL_QUANTITY_APEX] = "apex",           [PL_QUANTITY_PERIOD] = "period",
+    [PL_QUANTITY_TOP_SPEED] = "top_speed", [PL_QUANTITY_EXCURSION] = "excursion",
+    [PL_QUANTITY_ENERGY] = "energy"};
+
+static const char *const bound_names[] = {
+    [PL_BOUND_EQUAL] = "equal", [PL_BOUND_AT_MOST] = "at_most", [PL_BOUND_AT_LEAST] = "at_least"};
 
 static const char *const statistic_names[PL_STATISTIC_COUNT] = {
     [PL_STATISTIC_MASS_HEIGHT] = "mass_height",
@@ -136,8 +141,8 @@ static bool is_judged(const void *object)
 
 static const pl_field scene_fields[] = {
     {"plumb_scene", PL_FIELD_VERSION, .line = 1, ALWAYS,
-     .about = "version of this format: 1, or 2 where an expectation has a tolerance; both are read "
-              "alike"},
+     .about = "version of this format: 1, or 2 where an expectation has a tolerance, a bound, a "
+              "number, or a quantity without direction; both are read alike"},
     {"name", PL_FIELD_NAME, offsetof(pl_scene, name), .line = 2, .omit_default = true,
      .about = "for reports"},
     {"gravity", PL_FIELD_VECTOR, offsetof(pl_scene, gravity), .line = 3, DEFAULTED,
@@ -311,8 +316,11 @@ static const pl_field value_fields[] = {
     {"quantity", PL_FIELD_WORD, offsetof(pl_expect_value, quantity), ALWAYS, WORDS(quantity_names),
      .about = "along the direction: position (m, from the start), velocity (m/s), spin (rad/s), "
               "turn (rad, whole turns too) at `until`; apex (m, from the start) and period (s, of "
-              "the spin in the body's own axes) in from .. until"},
-    {"direction", PL_FIELD_UNIT, offsetof(pl_expect_value, direction), ALWAYS,
+              "the spin in the body's own axes) in from .. until. Without a direction: top_speed "
+              "(m/s) and excursion (m, the largest distance from the start) in from .. until, and "
+              "energy (J, kinetic and potential, against the potential energy of the start) at "
+              "`until`"},
+    {"direction", PL_FIELD_UNIT, offsetof(pl_expect_value, direction), DEFAULTED,
      .about = "world frame; of a period in the axes of the shape's frame"},
     {"from", PL_FIELD_NUMBER, offsetof(pl_expect_value, from), DEFAULTED,
      .range = PL_RANGE_NOT_NEGATIVE, .unit = "s"},
@@ -327,6 +335,11 @@ static const pl_field value_fields[] = {
     {"tolerance", PL_FIELD_NUMBER, offsetof(pl_expect_value, tolerance), POSITIVE,
      .applies = value_has_tolerance,
      .about = "in the quantity's unit; without it the scene's acceptance, times the scale"},
+    {"bound", PL_FIELD_WORD, offsetof(pl_expect_value, bound), OMITTED, WORDS(bound_names),
+     .about = "at_most and at_least: what is found may be less, or more, than the value"},
+    {"number", PL_FIELD_NUMBER, offsetof(pl_expect_value, number), OMITTED,
+     .range = PL_RANGE_NOT_NEGATIVE,
+     .about = "of an apex: which one in from .. until, counted from 1; 0: the highest"},
     {"answer", PL_FIELD_NUMBER, offsetof(pl_expect_value, answer), OMITTED,
      .range = PL_RANGE_NOT_NEGATIVE,
      .about =

@@ -287,8 +287,8 @@ static bool is_written(const writer *w, const pl_object *table, const pl_field *
     }
 }
 
-/* Whether an expectation has a tolerance of its own, which version 1 does not know. */
-static bool has_tolerances(const pl_scene *scene)
+/* Whether an expectation has what version 1 does not know. */
+static bool needs_version_2(const pl_scene *scene)
 {
     bool any = false;
     for (int i = 0; i < scene->rest_count; ++i) {
@@ -299,7 +299,9 @@ static bool has_tolerances(const pl_scene *scene)
         any = any || scene->travels[i].tolerance > 0;
     }
     for (int i = 0; i < scene->value_count; ++i) {
-        any = any || scene->values[i].tolerance > 0;
+        const pl_expect_value *value = &scene->values[i];
+        any = any || value->tolerance > 0 || value->bound != PL_BOUND_EQUAL || value->number > 0 ||
+              value->quantity >= PL_QUANTITY_TOP_SPEED;
     }
     for (int i = 0; i < scene->statistic_count; ++i) {
         any = any || scene->statistics[i].tolerance > 0;
@@ -313,7 +315,7 @@ static void put_value(writer *w, const pl_field *field, const void *object, int 
     const void *value = pl_field_of(field, object);
     switch (field->type) {
     case PL_FIELD_VERSION:
-        pl_text_add(json, has_tolerances(object) ? "2" : "1");
+        pl_text_add(json, needs_version_2(object) ? "2" : "1");
         break;
     case PL_FIELD_NUMBER:
         pl_text_add_number(json, *(const double *)value);

@@ -123,12 +123,71 @@ static void test_number_and_bound_never_print_equal(void **state)
     assert_contains(reason, "0.0100001 m within 0.01 m");
 }
 
+/* What a value of a ball is found to be that moves up and down with z = sin 2 pi t, 1 m/s along x. */
+static double value_found(pl_quantity quantity, pl_bound bound, double number, double expected)
+{
+    const double turn = 6.283185307179586;
+    run r;
+    run_prepare(&r, 3);
+    run_add_body(&r, "ball", pl_shape_sphere(0.5), false, 0, 0);
+    pl_expect_value value = pl_expect_value_default(&r.scene);
+    value.quantity = quantity;
+    value.bound = bound;
+    value.number = number;
+    value.value = expected;
+    assert_int_equal(pl_scene_add_value(&r.scene, &value, NULL), PL_OK);
+    snprintf(r.scene.primary_error, sizeof r.scene.primary_error, "value_error");
+    run_begin(&r);
+    for (int n = 1; n <= 192; ++n) {
+        const double t = n * H, height = 1 - 0.1 * floor(t);
+        r.state[0].position[0] = t;
+        r.state[0].position[2] = height * sin(turn * t);
+        r.state[0].velocity[0] = 1;
+        run_step(&r);
+    }
+    run_finish(&r);
+    const double error = run_value(&r, PL_METRIC_VALUE_ERROR);
+    run_end(&r);
+    return error;
+}
+
+static void test_bounds_over_time_count_on_one_side(void **state)
+{
+    (void)state;
+    assert_close(value_found(PL_QUANTITY_APEX, PL_BOUND_AT_MOST, 0, 1.5), 0, 0, 0);
+    assert_close(value_found(PL_QUANTITY_APEX, PL_BOUND_AT_MOST, 0, 0.4), 0.6, 1e-4, 0);
+    assert_close(value_found(PL_QUANTITY_APEX, PL_BOUND_AT_LEAST, 0, 1.5), 0.5, 1e-4, 0);
+    assert_close(value_found(PL_QUANTITY_TOP_SPEED, PL_BOUND_AT_MOST, 0, 1), 0, 0, 0);
+    assert_close(value_found(PL_QUANTITY_TOP_SPEED, PL_BOUND_AT_MOST, 0, 0.7), 0.3, 1e-12, 0);
+    assert_close(value_found(PL_QUANTITY_EXCURSION, PL_BOUND_AT_MOST, 0, 2.5), 0.5, 1e-12, 0);
+    assert_close(value_found(PL_QUANTITY_EXCURSION, PL_BOUND_EQUAL, 0, 3), 0, 1e-12, 0);
+}
+
+static void test_apexes_are_counted_in_their_window(void **state)
+{
+    (void)state;
+    for (int n = 1; n <= 3; ++n) {
+        assert_close(value_found(PL_QUANTITY_APEX, PL_BOUND_EQUAL, n, 1.1 - 0.1 * n), 0, 1e-4, 0);
+    }
+    assert_close(value_found(PL_QUANTITY_APEX, PL_BOUND_EQUAL, 4, 0.7), 0.7, 0, 0);
+}
+
+static void test_energy_is_kinetic_and_potential(void **state)
+{
+    (void)state;
+    /* 2 kg at 1 m/s, at the height of its start. */
+    assert_close(value_found(PL_QUANTITY_ENERGY, PL_BOUND_EQUAL, 0, 1), 0, 1e-9, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_twenty_random_deviations_are_named),
         cmocka_unit_test(test_a_run_within_all_tolerances_is_accurate),
         cmocka_unit_test(test_number_and_bound_never_print_equal),
+        cmocka_unit_test(test_bounds_over_time_count_on_one_side),
+        cmocka_unit_test(test_apexes_are_counted_in_their_window),
+        cmocka_unit_test(test_energy_is_kinetic_and_potential),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

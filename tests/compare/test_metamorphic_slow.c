@@ -158,7 +158,8 @@ static void test_soft_contacts_depend_little_on_direction_and_order(void **state
     }
     for (int i = 0; i < MOVING; ++i) {
         expect(&moving[i], FAST, CHECKS("rotate", "mirror", "shift"), END, 1e-4);
-        expect(&moving[i], FAST, CHECKS("order"), END, 0);
+        /* They begin at rest, where they are solved directly. */
+        expect(&moving[i], FAST, CHECKS("order"), END, 1e-9);
     }
 }
 

@@ -308,7 +308,7 @@ static pl_status core_depth(const convex *a, const convex *b, double *gap)
 static pl_status core_gap(const convex *a, const convex *b, double *gap)
 {
     query *shared = a->shared;
-    shared->first = pl_vec_sub(b->middle, a->middle);
+    shared->first = pl_vec_sub(b->origin, a->origin);
     double upper = core_distance(a, b);
     if (shared->lower > shared->within || upper - shared->lower <= EXACT) {
         *gap = shared->lower;
@@ -347,7 +347,7 @@ double pl_distance_convex(const pl_placed_shape *a, const pl_placed_shape *b, do
 {
     query shared = begin(a, b, within);
     convex object_a = place(a, &shared), object_b = place(b, &shared);
-    shared.first = pl_vec_sub(object_b.middle, object_a.middle);
+    shared.first = pl_vec_sub(object_b.origin, object_a.origin);
     (void)core_distance(&object_a, &object_b);
     double radii = pl_core_radius(a->shape) + pl_core_radius(b->shape);
     return fmax(shared.lower / shared.scale - radii, 0);

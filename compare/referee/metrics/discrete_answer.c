@@ -142,6 +142,9 @@ double pl_discrete_value(const pl_scene *scene, const pl_expect_value *value, pl
     case PL_QUANTITY_APEX:
         return apex(scene, value, rule, substeps);
     case PL_QUANTITY_PERIOD:
+    case PL_QUANTITY_TOP_SPEED:
+    case PL_QUANTITY_EXCURSION:
+    case PL_QUANTITY_ENERGY:
         break;
     }
     return (double)NAN;

@@ -21,10 +21,15 @@ typedef struct judged {
 
 static const struct {
     const char *name, *unit;
-} quantities[PL_QUANTITY_COUNT] = {
-    [PL_QUANTITY_POSITION] = {"position", " m"}, [PL_QUANTITY_VELOCITY] = {"velocity", " m/s"},
-    [PL_QUANTITY_SPIN] = {"spin", " rad/s"},     [PL_QUANTITY_TURN] = {"turn", " rad"},
-    [PL_QUANTITY_APEX] = {"apex", " m"},         [PL_QUANTITY_PERIOD] = {"period", " s"}};
+} quantities[PL_QUANTITY_COUNT] = {[PL_QUANTITY_POSITION] = {"position", " m"},
+                                   [PL_QUANTITY_VELOCITY] = {"velocity", " m/s"},
+                                   [PL_QUANTITY_SPIN] = {"spin", " rad/s"},
+                                   [PL_QUANTITY_TURN] = {"turn", " rad"},
+                                   [PL_QUANTITY_APEX] = {"apex", " m"},
+                                   [PL_QUANTITY_PERIOD] = {"period", " s"},
+                                   [PL_QUANTITY_TOP_SPEED] = {"top speed", " m/s"},
+                                   [PL_QUANTITY_EXCURSION] = {"excursion", " m"},
+                                   [PL_QUANTITY_ENERGY] = {"energy", " J"}};
 
 /* ---- Texts ---- */
 
@@ -56,12 +61,20 @@ static void describe(const judged *j, char *text, size_t size)
     if (j->body != NULL) {
         snprintf(of, sizeof of, " of \"%s\"", j->body);
     }
-    const char *between = j->low < j->high ? " to " : "";
-    const bool is_distance = j->low == 0 && j->high == 0;
-    snprintf(text, size, "%s%s: %s%s, expected %s%s%s%s%swithin %s%s", j->name, of,
-             is_distance && found[0] == '-' ? found + 1 : found, j->unit, is_distance ? "" : low,
-             between, j->low < j->high ? high : "", is_distance ? "" : j->unit,
-             is_distance ? "" : " ", bound, j->unit);
+    char range[96] = "";
+    if (isinf(j->low)) {
+        snprintf(range, sizeof range, "at most %s%s ", high, j->unit);
+    } else if (isinf(j->high)) {
+        snprintf(range, sizeof range, "at least %s%s ", low, j->unit);
+    } else if (j->low < j->high) {
+        snprintf(range, sizeof range, "%s to %s%s ", low, high, j->unit);
+    } else if (j->low != 0) {
+        snprintf(range, sizeof range, "%s%s ", low, j->unit);
+    }
+    /* What is expected to be 0 is a distance. */
+    const bool has_sign = found[0] == '-' && range[0] == '\0';
+    snprintf(text, size, "%s%s: %s%s, expected %swithin %s%s", j->name, of, found + has_sign,
+             j->unit, range, bound, j->unit);
 }
 
 /* ---- Judging ---- */
@@ -155,8 +168,8 @@ static void judge_values(const pl_values *values, const pl_scene *scene, int ans
             .body = scene->bodies[value->body].name,
             .unit = quantities[value->quantity].unit,
             .found = pl_values_found(values, i),
-            .low = value->value,
-            .high = value->value,
+            .low = value->bound == PL_BOUND_AT_MOST ? -HUGE_VAL : value->value,
+            .high = value->bound == PL_BOUND_AT_LEAST ? HUGE_VAL : value->value,
             .tolerance = tolerance_of(scene, value->tolerance, value->scale),
         };
         if (value->answer == 0 || (int)value->answer == answer) {

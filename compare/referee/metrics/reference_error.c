@@ -40,7 +40,7 @@ static void add_blur(blur *b, double rounding, double dt, double rate, double si
 /* An expected value and what the frames so far show of it. */
 typedef struct reading {
     const pl_expect_value *expected;
-    pl_vec direction, origin;
+    pl_vec direction, origin, centre;     /* at the start: of its frame, and of mass */
     bool done;                            /* the frame at `until` has been seen */
     double found;                         /* the value so far */
     double sample[3];                     /* of an apex: positions in the last three frames */
@@ -48,6 +48,7 @@ typedef struct reading {
     double orientation[4];                /* of a turn: in the last frame */
     double last_spin;                     /* of a period */
     long crossings;                       /* of a period: changes of the spin from - to + */
+    long crests;                          /* of an apex: local maxima so far */
     double first_crossing, last_crossing; /* s */
     blur blur;
 } reading;
@@ -106,10 +107,30 @@ static void see_apex(reading *r, double height)
     r->sample[1] = r->sample[2];
     r->sample[2] = height;
     r->samples += 1;
-    r->found = fmax(r->found, height);
-    if (r->samples >= 3 && r->sample[1] >= r->sample[0] && r->sample[1] >= r->sample[2]) {
-        r->found = fmax(r->found, crest(r->sample));
+    const bool at_crest =
+        r->samples >= 3 && r->sample[1] >= r->sample[0] && r->sample[1] > r->sample[2];
+    r->crests += at_crest;
+    if (r->expected->number == 0) {
+        const bool on_top =
+            r->samples >= 3 && r->sample[1] >= r->sample[0] && r->sample[1] >= r->sample[2];
+        r->found = fmax(fmax(r->found, height), on_top ? crest(r->sample) : height);
+    } else if (at_crest && (double)r->crests == r->expected->number) {
+        r->found = crest(r->sample);
     }
+}
+
+/* The kinetic energy of the body, and its potential energy against that at the start, J. The start is
+ * that of the centre of mass. */
+static double energy_of(const pl_scene *scene, const reading *r, const pl_body_state *state)
+{
+    const pl_body *body = &scene->bodies[r->expected->body];
+    const pl_axes axes = pl_principal_axes(&body->shape, state->orientation);
+    const pl_vec v = pl_vec_of(state->velocity);
+    const pl_vec w = pl_to_local(&axes, pl_vec_of(state->angular_velocity));
+    const pl_vec risen = pl_vec_sub(pl_state_centre(body, state), r->centre);
+    return body->mass * (0.5 * pl_vec_dot(v, v) - pl_vec_dot(pl_vec_of(scene->gravity), risen)) +
+           0.5 * (body->inertia[0] * w.x * w.x + body->inertia[1] * w.y * w.y +
+                  body->inertia[2] * w.z * w.z);
 }
 
 /* Of a period: the spin in the body's own axes. */
@@ -129,9 +150,15 @@ static void see_spin(reading *r, double time, double dt, const pl_body_state *bo
 }
 
 /* The value in this frame alone, for the quantities that are read at one time. */
-static double value_in(const reading *r, const pl_body_state *body)
+static double value_in(const pl_scene *scene, const reading *r, const pl_body_state *body)
 {
     switch (r->expected->quantity) {
+    case PL_QUANTITY_TOP_SPEED:
+        return fmax(r->found, pl_vec_length(pl_vec_of(body->velocity)));
+    case PL_QUANTITY_EXCURSION:
+        return fmax(r->found, pl_vec_length(pl_vec_sub(pl_vec_of(body->position), r->origin)));
+    case PL_QUANTITY_ENERGY:
+        return energy_of(scene, r, body);
     case PL_QUANTITY_VELOCITY:
         return pl_vec_dot(pl_vec_of(body->velocity), r->direction);
     case PL_QUANTITY_SPIN:
@@ -143,25 +170,36 @@ static double value_in(const reading *r, const pl_body_state *body)
     }
 }
 
-static void see_value(reading *r, long step, double dt, const pl_body_state *body)
+/* Whether the quantity is read over from .. until, not at `until`. */
+static bool is_over_time(pl_quantity quantity)
 {
+    return quantity == PL_QUANTITY_APEX || quantity == PL_QUANTITY_PERIOD ||
+           quantity == PL_QUANTITY_TOP_SPEED || quantity == PL_QUANTITY_EXCURSION;
+}
+
+static void see_value(const pl_scene *scene, reading *r, long step, const pl_body_state *body)
+{
+    const double dt = scene->dt;
     double time = (double)step * dt, until = r->expected->until;
     if (step == 0) {
         r->origin = pl_vec_of(body->position);
+        r->centre = pl_state_centre(&scene->bodies[r->expected->body], body);
         memcpy(r->orientation, body->orientation, sizeof r->orientation);
     }
     pl_quantity quantity = r->expected->quantity;
-    if (quantity == PL_QUANTITY_APEX || quantity == PL_QUANTITY_PERIOD) {
+    if (is_over_time(quantity)) {
         if (time < r->expected->from - SAME_TIME * dt || time > until + SAME_TIME * dt) {
             return;
         }
         if (quantity == PL_QUANTITY_APEX) {
-            see_apex(r, value_in(r, body));
-        } else {
+            see_apex(r, value_in(scene, r, body));
+        } else if (quantity == PL_QUANTITY_PERIOD) {
             see_spin(r, time, dt, body);
+        } else {
+            r->found = value_in(scene, r, body);
         }
     } else if (!r->done) {
-        double now = value_in(r, body);
+        double now = value_in(scene, r, body);
         r->done = time >= until - SAME_TIME * dt;
         /* If `until` is between two frames, only the part of the step before it counts. */
         double part = r->done && step > 0 ? 1 - fmax(0, time - until) / dt : 1;
@@ -196,7 +234,7 @@ void pl_values_see(pl_values *values, long step, const pl_body_state *bodies)
             see_blur(values, &r->blur, r->expected->body,
                      quantity == PL_QUANTITY_SPIN || quantity == PL_QUANTITY_TURN, bodies);
         }
-        see_value(r, step, scene->dt, &bodies[r->expected->body]);
+        see_value(scene, r, step, &bodies[r->expected->body]);
     }
     for (int i = 0; i < scene->travel_count; ++i) {
         see_blur(values, &values->travels[i], scene->travels[i].body, false, bodies);
@@ -240,6 +278,14 @@ static void raise_to_nearest(pl_metric *metric, const answer_errors *errors)
     }
 }
 
+double pl_value_error(const pl_expect_value *expected, double found)
+{
+    const double above = found - expected->value;
+    return expected->bound == PL_BOUND_AT_MOST    ? fmax(above, 0)
+           : expected->bound == PL_BOUND_AT_LEAST ? fmax(-above, 0)
+                                                  : fabs(above);
+}
+
 const pl_scene *pl_values_scene(const pl_values *values)
 {
     return values->scene;
@@ -249,6 +295,9 @@ double pl_values_found(const pl_values *values, int index)
 {
     const reading *r = &values->items[index];
     const pl_expect_value *e = r->expected;
+    if (e->number > 0 && !isfinite(r->found)) {
+        return 0; /* a right engine shows that apex: the error is the whole height */
+    }
     if (e->quantity != PL_QUANTITY_PERIOD) {
         return r->found;
     }
@@ -269,7 +318,7 @@ static pl_metric value_error(const pl_values *values)
         if (isnan(found) && e->quantity == PL_QUANTITY_PERIOD) {
             return pl_metric_failed("no whole period was seen from %g to %g s", e->from, e->until);
         }
-        add_error(&errors, &values->items[i], fabs(found - e->value));
+        add_error(&errors, &values->items[i], pl_value_error(e, found));
     }
     raise_to_nearest(&metric, &errors);
     return metric;

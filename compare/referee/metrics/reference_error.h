@@ -28,6 +28,9 @@ void pl_values_see(pl_values *values, long step, const pl_body_state *bodies);
 void pl_reference_metrics(const pl_values *values, const pl_body_state *last,
                           const pl_integrator_votes *votes, pl_metric *item);
 
+/* How far a number is from what is expected, or beyond it if that is a bound; in its unit. */
+double pl_value_error(const pl_expect_value *expected, double found);
+
 /* The scene that the values are of. */
 const pl_scene *pl_values_scene(const pl_values *values);
 

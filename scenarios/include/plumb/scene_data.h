@@ -137,16 +137,26 @@ typedef enum pl_quantity {
     PL_QUANTITY_POSITION, /* m: displacement of its frame along the direction, at `until` */
     PL_QUANTITY_VELOCITY, /* m/s: of its centre of mass along the direction, at `until` */
     PL_QUANTITY_SPIN,     /* rad/s: of its angular velocity along the direction, at `until` */
-    PL_QUANTITY_TURN,  /* rad: the sum over steps of the parts of their turns along the direction,
+    PL_QUANTITY_TURN,   /* rad: the sum over steps of the parts of their turns along the direction,
                           until `until`: also over whole turns */
-    PL_QUANTITY_APEX,  /* m: the highest position along the direction, from its start, in
+    PL_QUANTITY_APEX,   /* m: the highest position along the direction, from its start, in
                           from .. until */
-    PL_QUANTITY_PERIOD /* s: of the angular velocity along the direction, which turns with the
-                          body: the mean time between its changes from - to + in from .. until */
+    PL_QUANTITY_PERIOD, /* s: of the angular velocity along the direction, which turns with the
+                           body: the mean time between its changes from - to + in from .. until */
+    PL_QUANTITY_TOP_SPEED, /* m/s: the largest speed of its centre of mass in from .. until */
+    PL_QUANTITY_EXCURSION, /* m: the largest distance of its frame from its start in from .. until */
+    PL_QUANTITY_ENERGY     /* J: kinetic, and potential against that of the start, at `until` */
 } pl_quantity;
 
 /* The number of quantities. */
-enum { PL_QUANTITY_COUNT = 6 };
+enum { PL_QUANTITY_COUNT = 9 };
+
+/* How a number that is found has to compare with the one that is expected. */
+typedef enum pl_bound {
+    PL_BOUND_EQUAL,   /* equal */
+    PL_BOUND_AT_MOST, /* at most that */
+    PL_BOUND_AT_LEAST /* at least that */
+} pl_bound;
 
 /* A number that a right engine reaches. Between frames it is interpolated linearly; an apex is that
  * of the parabola through the highest frame and its neighbours. */
@@ -159,6 +169,8 @@ typedef struct pl_expect_value {
     double value;         /* of the continuous problem */
     double discrete;  /* the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
     double scale;     /* > 0, in the quantity's unit: what the error is divided by */
+    pl_bound bound;   /* how the number that is found has to compare with `value` */
+    double number;    /* of an apex: which one in from .. until, counted from 1; 0: the highest */
     double tolerance; /* in the quantity's unit; 0: the scene's acceptance, times the scale */
     double answer; /* of a scene with several right answers, the number from 1 of the one that the
                         value belongs to; 0: it belongs to all */
