@@ -148,7 +148,7 @@ static void test_types_and_lengths_are_located(void **state)
 {
     (void)state;
     static const text_fault faults[] = {
-        {"\"plumb_scene\": 1", "\"plumb_scene\": @2", "plumb_scene", "expected 1 or 2, found 2"},
+        {"\"plumb_scene\": 1", "\"plumb_scene\": @3", "plumb_scene", "expected 1 or 2, found 3"},
         {"\"plumb_scene\": 1", "\"plumb_scene\": @\"1\"", "plumb_scene", "found \"1\""},
         {"\"é scène\"", "@7", "name", "a name, found 7"},
         {"[0, 0.5, -9.81]", "@9.81", "gravity", "an array of 3 numbers, found 9.81"},
@@ -263,7 +263,7 @@ static void test_names_and_references_are_located(void **state)
          "0.125 }, @{ \"a\": \"stål\", \"b\": \"wood\", \"friction\": 1, \"restitution\": 0 }",
          "pairs[1]", "each pair of materials once, found wood and stål again"},
         {"\"quantity\": \"apex\"", "\"quantity\": @\"appex\"", "expect.values[0].quantity",
-         "turn, apex or period, found \"appex\""},
+         "top_speed, excursion or energy, found \"appex\""},
         {"\"from\": 0.5, \"until\": 1.25", "\"from\": @1.5, \"until\": 1.25",
          "expect.values[0].from", "0 to `until`"},
         {"\"until\": 1.25", "\"until\": @1e9", "expect.values[0].until", "within the run"},
