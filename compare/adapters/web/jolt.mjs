@@ -2,12 +2,13 @@
 //
 // Sleeping, damping (0.05 as shipped) and the limits of speed are off, and the gyroscopic torque is on. Boxes, cylinders
 // and hulls keep their size: Jolt rounds their edges by the convex radius. Capsules and cylinders have their axis along y,
-// and are turned. A moving mesh collides with convex shapes, but neither with planes nor with meshes: it is unsupported.
+// and are turned. A static mesh is a surface of oriented triangles. A moving mesh collides with convex shapes, but neither
+// with planes nor with meshes: it is unsupported.
 //
 // The contact listener gives every pair of bodies its coefficients, and records the contacts of the first sub-step: those of
 // later ones are not of the poses before the step. Recording is not counted as the step's time. Jolt's interface has contact
 // points, but not the impulses that the solver found.
-import {apart, packageOf, serve} from './protocol.mjs';
+import {apart, packageOf, serve, Unsupported} from './protocol.mjs';
 import {applyForces, halfDiagonal, middleOfPlane, principalPose, principalVertices, solidOf, writeState} from './mechanics.mjs';
 import initJolt from 'jolt-physics/wasm-compat';
 
@@ -54,6 +55,15 @@ function hullOf(vertices, radius) {
   return built(settings);
 }
 
+function meshOf(setup, body) {
+  const vertices = principalVertices(solidOf(setup, body));
+  const list = new Jolt.TriangleList();
+  for (const corners of solidOf(setup, body).triangles) {
+    using(corners.map((i) => vec3(vertices.subarray(3 * i, 3 * i + 3))), (a, b, c) => using([new Jolt.Triangle(a, b, c)], (triangle) => list.push_back(triangle)));
+  }
+  return built(new Jolt.MeshShapeSettings(list, new Jolt.PhysicsMaterialList()));
+}
+
 function shapeOf(setup, body) {
   const {shape} = body;
   const radius = setup.options.convex_radius;
@@ -68,6 +78,11 @@ function shapeOf(setup, body) {
       return turned(new Jolt.CapsuleShapeSettings(shape.half_height, shape.radius));
     case 'cylinder':
       return turned(new Jolt.CylinderShapeSettings(shape.half_height, shape.radius, Math.min(radius, shape.half_height, shape.radius)));
+    case 'mesh':
+      if (!body.static) {
+        throw new Unsupported(`Jolt has no moving meshes: body "${body.name}"`);
+      }
+      return meshOf(setup, body);
     default:
       return hullOf(principalVertices(solidOf(setup, body)), radius);
   }
@@ -233,7 +248,7 @@ serve({
   integrator: 'semi-implicit Euler',
   gyroscopic: 'explicit',
   substeps: 1,
-  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull'],
+  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull', 'mesh'],
   contacts: ['points'],
   files,
   reads: ['settings'],

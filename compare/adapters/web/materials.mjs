@@ -77,14 +77,14 @@ export function combined(setup, what, names) {
 /**
  * The colliders that a body of a material needs, each {material, member, meets, friction, restitution}. Where rules of
  * combining give all pairs their coefficients it is one, which meets all others. Otherwise a body has a collider for each
- * other material, with the coefficients of that pair, and bits that let it meet the colliders that the other has for it.
+ * material that it can touch, with the coefficients of that pair, and bits that let it meet the colliders that the other has
+ * for it. A body that can touch nothing has one that meets nothing.
  * `friction` and `restitution` are what the collider stores under `rule.friction` and `rule.restitution`. An engine that can
  * compare materials themselves needs no bits.
  */
 export function colliderPlan(setup, names, bits = Infinity) {
   const friction = combined(setup, 'friction', names);
   const restitution = combined(setup, 'restitution', ['max', ...names]);
-  const count = setup.friction.length;
   const all = 2 ** bits - 1;
   if (friction && restitution) {
     return {
@@ -92,14 +92,27 @@ export function colliderPlan(setup, names, bits = Infinity) {
       of: (material) => [{material: null, member: all, meets: all, friction: friction.values[material], restitution: restitution.values[material]}],
     };
   }
-  if (count * count > bits) {
-    throw new Unsupported(`no rule that combines two materials gives all pairs of this scene their coefficients, and ${count} materials are too many for the ${bits} groups of colliders`);
+  const pairs = touching(setup);
+  const groups = new Map();
+  const key = (material, other) => `${material} ${other}`;
+  for (const [a, b] of pairs) {
+    groups.set(key(a, b), groups.size);
+    if (a !== b) {
+      groups.set(key(b, a), groups.size);
+    }
   }
+  if (groups.size > bits) {
+    throw new Unsupported(`no rule that combines two materials gives all pairs of this scene their coefficients, and the ${pairs.length} pairs that can touch need ${groups.size} groups of colliders; there are ${bits}`);
+  }
+  const colliderFor = (material, other) => ({
+    material: other, member: 2 ** groups.get(key(material, other)), meets: 2 ** groups.get(key(other, material)),
+    friction: setup.friction[material][other], restitution: setup.restitution[material][other],
+  });
   return {
     rule: {friction: 'max', restitution: 'max'},
-    of: (material) => setup.friction.map((_, other) => ({
-      material: other, member: 2 ** (material * count + other), meets: 2 ** (other * count + material),
-      friction: setup.friction[material][other], restitution: setup.restitution[material][other],
-    })),
+    of: (material) => {
+      const others = setup.friction.map((_, other) => other).filter((other) => groups.has(key(material, other)));
+      return others.length > 0 ? others.map((other) => colliderFor(material, other)) : [{material, member: 0, meets: 0, friction: 0, restitution: 0}];
+    },
   };
 }

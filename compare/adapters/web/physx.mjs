@@ -2,12 +2,12 @@
 //
 // Sleeping, stabilization, angular damping (0.05 as shipped) and the limit of angular speed are off, and the gyroscopic
 // torque is on. Capsules and cylinders have their axis along x, and are turned; a cylinder is a convex core without a
-// margin. A moving triangle mesh needs the graphics processor: meshes are unsupported.
+// margin. A static mesh is a triangle mesh. A moving one needs the graphics processor: it is unsupported.
 //
 // PhysX combines the coefficients of two materials by a rule. Where no rule gives all pairs theirs, a body has several
 // shapes (materials.mjs). Contact reports have the normal part of an impulse only, so that contacts are points. They are
 // read within the step. That is not counted as its time; what PhysX itself does to prepare reports is.
-import {apart, packageOf, serve} from './protocol.mjs';
+import {apart, packageOf, serve, Unsupported} from './protocol.mjs';
 import {applyForces, principalPose, principalVertices, product, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
 import {colliderPlan, rules} from './materials.mjs';
 import {readFileSync} from 'node:fs';
@@ -64,6 +64,27 @@ function hullOf(vertices) {
   return using(new Px.PxMeshScale(), (unit) => new Px.PxConvexMeshGeometry(mesh, unit));
 }
 
+function meshOf(setup, body) {
+  const vertices = principalVertices(solidOf(setup, body));
+  const corners = solidOf(setup, body).triangles.flat();
+  const points = new Px.Vector_PxVec3();
+  for (let i = 0; i < vertices.length; i += 3) {
+    withVector(vertices.subarray(i, i + 3), (v) => points.push_back(v));
+  }
+  const indices = new Px.PxArray_PxU32();
+  corners.forEach((i) => indices.pushBack(i));
+  const desc = new Px.PxTriangleMeshDesc();
+  desc.points.count = points.size();
+  desc.points.stride = 12;
+  desc.points.data = points.data();
+  desc.triangles.count = corners.length / 3;
+  desc.triangles.stride = 12;
+  desc.triangles.data = indices.begin();
+  const mesh = using(new Px.PxCookingParams(scale), (params) => Px.CreateTriangleMesh(params, desc));
+  [desc, points, indices].forEach((made) => Px.destroy(made));
+  return using(new Px.PxMeshScale(), (unit) => using(new Px.PxMeshGeometryFlags(0), (flags) => new Px.PxTriangleMeshGeometry(mesh, unit, flags)));
+}
+
 /** The geometry of a body, and how it is turned in its principal frame. */
 function geometryOf(setup, body) {
   const {shape} = body;
@@ -78,6 +99,11 @@ function geometryOf(setup, body) {
       return {geometry: new Px.PxCapsuleGeometry(shape.radius, shape.half_height), turn: xToZ};
     case 'cylinder':
       return {geometry: using(new Px.PxConvexCoreCylinder(2 * shape.half_height, shape.radius), (core) => Px.PxConvexCoreGeometryFactory.prototype.createFromCylinder(core, 0)), turn: xToZ};
+    case 'mesh':
+      if (!body.static) {
+        throw new Unsupported(`PhysX has no moving meshes without a graphics processor: body "${body.name}"`);
+      }
+      return {geometry: meshOf(setup, body)};
     default:
       return {geometry: hullOf(principalVertices(solidOf(setup, body)))};
   }
@@ -222,7 +248,7 @@ serve({
   precision: 'float',
   integrator: 'semi-implicit Euler',
   gyroscopic: 'explicit',
-  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull'],
+  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull', 'mesh'],
   contacts: ['points'],
   files,
   reads: ['settings', 'pairs'],
