@@ -93,11 +93,12 @@ static json_t *configurations_json(const pl_reference_verdict *verdict, int body
         }
         const pl_body_verdict *b = &engine->bodies[body];
         json_array_append_new(
-            array, json_pack("{s:s, s:s, s:b, s:o, s:o, s:f, s:o}", "label", engine->label, "run",
-                             engine->run, "completed", (int)engine->completed, "final_distance",
-                             pl_json_number_or_null(b->final), "largest_distance",
+            array, json_pack("{s:s, s:s, s:b, s:o, s:o, s:f, s:o, s:o}", "label", engine->label,
+                             "run", engine->run, "completed", (int)engine->completed,
+                             "final_distance", pl_json_number_or_null(b->final), "largest_distance",
                              pl_json_number_or_null(b->largest), "until", b->until, "differs_from",
-                             pl_json_number_or_null(b->differs_from)));
+                             pl_json_number_or_null(b->differs_from), "strays_at",
+                             pl_json_number_or_null(b->strays_at)));
     }
     return array;
 }
@@ -113,13 +114,14 @@ static json_t *bodies_json(const pl_reference_verdict *verdict)
             final = reference->error[i * reference->bodies + b];
             largest = fmax(largest, final);
         }
-        json_array_append_new(array, json_pack("{s:o, s:f, s:o, s:o, s:o, s:o}", "name",
-                                               pl_json_text(name, strlen(name)), "bound",
-                                               reference->bounds[b], "final_error",
-                                               pl_json_number_or_null(final), "largest_error",
-                                               pl_json_number_or_null(largest), "horizon",
-                                               horizon_json(reference, reference->horizon[b]),
-                                               "configurations", configurations_json(verdict, b)));
+        json_array_append_new(
+            array, json_pack("{s:o, s:f, s:o, s:o, s:o, s:b, s:o}", "name",
+                             pl_json_text(name, strlen(name)), "bound", reference->bounds[b],
+                             "final_error", pl_json_number_or_null(final), "largest_error",
+                             pl_json_number_or_null(largest), "horizon",
+                             horizon_json(reference, reference->horizon[b]), "contradicted",
+                             (int)pl_reference_is_contradicted(verdict, b, NULL, NULL),
+                             "configurations", configurations_json(verdict, b)));
     }
     return array;
 }

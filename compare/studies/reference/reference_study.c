@@ -129,8 +129,8 @@ static pl_status judge_by(const pl_reference_def *def, const pl_reference *refer
     const pl_plan *plan = def->execution.plan;
     pl_reference_verdict verdict = {.engine_count = 0};
     pl_after_horizon after = {.from = 0};
-    pl_status status = pl_reference_judge(plan, def->original, def->execution.positions, reference,
-                                          &verdict, error);
+    pl_status status = pl_reference_judge(plan, def->original, def->execution.positions,
+                                          def->results, reference, &verdict, error);
     if (status == PL_OK) {
         status = pl_after_horizon_make(def, &verdict, &after, signal_number, error);
     }
@@ -153,7 +153,8 @@ static pl_status judge_case(const pl_reference_study_def *def, pl_case *test_cas
                             json_t **item, int *signal_number, pl_error *error)
 {
     pl_reference reference = {.known = false};
-    pl_reference_def making = {.original = test_case, .execution = def->execution};
+    pl_reference_def making = {
+        .original = test_case, .execution = def->execution, .results = def->results};
     json_t *sentences = json_array();
     making.execution.bar = bar;
     *item = NULL;

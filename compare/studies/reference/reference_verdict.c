@@ -1,7 +1,9 @@
 #include "reference_verdict.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* More bodies of an engine than this are reported in one sentence, and of all single bodies the
  * farthest only. */
@@ -16,7 +18,8 @@ static const double negligible_share = 0.1;
 pl_body_verdict pl_body_judge(const pl_reference *reference, const pl_body_paths *paths, int body)
 {
     const pl_body_paths *own = pl_reference_paths(reference);
-    pl_body_verdict verdict = {.final = (double)NAN, .largest = 0, .differs_from = (double)NAN};
+    pl_body_verdict verdict = {
+        .final = (double)NAN, .largest = 0, .differs_from = (double)NAN, .strays_at = (double)NAN};
     long judged = paths->samples < reference->samples ? paths->samples : reference->samples;
     judged = judged < reference->horizon[body] ? judged : reference->horizon[body];
     long from = judged;
@@ -28,22 +31,59 @@ pl_body_verdict pl_body_judge(const pl_reference *reference, const pl_body_paths
         verdict.until = (double)i * reference->interval;
         if (!(verdict.final > allowed)) {
             from = judged;
-        } else if (from == judged) {
-            from = i;
+            continue;
+        }
+        from = from == judged ? i : from;
+        if (verdict.final > verdict.stray) {
+            verdict.stray = verdict.final;
+            verdict.strays_at = verdict.until;
         }
     }
     if (from < judged) {
         verdict.differs_from = (double)from * reference->interval;
+        verdict.stray = 0;
+        verdict.strays_at = (double)NAN;
+    }
+    for (int k = 0; k < 3 && judged > 0; ++k) {
+        const size_t at = ((size_t)(judged - 1) * (size_t)own->bodies + (size_t)body) * 3;
+        verdict.off[k] = paths->moved[at + (size_t)k] - own->moved[at + (size_t)k];
     }
     return verdict;
 }
 
+/* Copies the letters that a name begins with. */
+static void copy_family(const char *name, char family[16])
+{
+    size_t length = 0;
+    while (length < 15 && isalpha((unsigned char)name[length])) {
+        family[length] = name[length];
+        ++length;
+    }
+    family[length] = '\0';
+}
+
+static bool is_unsupported(const json_t *results, const char *run)
+{
+    size_t index;
+    const json_t *result;
+    bool found = false;
+    json_array_foreach(results, index, result)
+    {
+        found = found || (strcmp(pl_json_get_text(result, "run"), run) == 0 &&
+                          strcmp(pl_json_get_text(result, "outcome"),
+                                 pl_outcome_name(PL_OUTCOME_UNSUPPORTED)) == 0);
+    }
+    return found;
+}
+
 static pl_status judge_engine(const pl_plan *plan, const pl_planned_run *planned,
-                              const char *folder, const pl_reference *reference,
-                              pl_engine_verdict *verdict, pl_error *error)
+                              const char *folder, const json_t *results,
+                              const pl_reference *reference, pl_engine_verdict *verdict,
+                              pl_error *error)
 {
     pl_body_paths paths = {.samples = 0};
     verdict->label = planned->configuration->label;
+    copy_family(planned->configuration->choice.engine->name, verdict->family);
     pl_status status = pl_planned_run_hash(plan, planned, verdict->run, error);
     if (status == PL_OK) {
         status = pl_body_paths_read(folder, verdict->run, &planned->test_case->scene,
@@ -57,14 +97,16 @@ static pl_status judge_engine(const pl_plan *plan, const pl_planned_run *planned
     for (int b = 0; b < reference->bodies && verdict->bodies != NULL; ++b) {
         verdict->bodies[b] = pl_body_judge(reference, &paths, b);
         verdict->differing += !isnan(verdict->bodies[b].differs_from);
+        verdict->straying += !isnan(verdict->bodies[b].strays_at);
     }
+    verdict->is_unsupported = status == PL_OK && is_unsupported(results, verdict->run);
     pl_body_paths_free(&paths);
     return status;
 }
 
 pl_status pl_reference_judge(const pl_plan *plan, const pl_case *test_case, const char *folder,
-                             const pl_reference *reference, pl_reference_verdict *verdict,
-                             pl_error *error)
+                             const json_t *results, const pl_reference *reference,
+                             pl_reference_verdict *verdict, pl_error *error)
 {
     *verdict = (pl_reference_verdict){
         .reference = reference, .test_case = test_case, .engine_count = plan->configuration_count};
@@ -74,7 +116,8 @@ pl_status pl_reference_judge(const pl_plan *plan, const pl_case *test_case, cons
     for (int i = 0; i < verdict->engine_count && status == PL_OK; ++i) {
         const pl_planned_run planned = {.test_case = test_case,
                                         .configuration = &plan->configurations[i]};
-        status = judge_engine(plan, &planned, folder, reference, &verdict->engines[i], error);
+        status =
+            judge_engine(plan, &planned, folder, results, reference, &verdict->engines[i], error);
     }
     return status;
 }
@@ -102,6 +145,85 @@ pl_status pl_sentence_add(json_t *sentences, pl_text_buffer *text, pl_error *err
 static const char *body_name(const pl_reference_verdict *v, int body)
 {
     return v->test_case->scene.bodies[v->reference->body[body]].name;
+}
+
+/* Whether an engine of another family than the reference's ran to its end and differs in the body. */
+static bool is_other(const pl_reference_verdict *v, int engine, int body)
+{
+    const pl_engine_verdict *e = &v->engines[engine];
+    char own[16];
+    copy_family(pl_reference_engine, own);
+    return e->bodies != NULL && e->completed && !isnan(e->bodies[body].differs_from) &&
+           strcmp(e->family, own) != 0;
+}
+
+/* How far apart two engines end in the body, m. */
+static double apart(const pl_body_verdict *a, const pl_body_verdict *b)
+{
+    return hypot(hypot(a->off[0] - b->off[0], a->off[1] - b->off[1]), a->off[2] - b->off[2]);
+}
+
+bool pl_reference_is_contradicted(const pl_reference_verdict *v, int body, int *one, int *other)
+{
+    for (int i = 0; i < v->engine_count; ++i) {
+        for (int j = i + 1; j < v->engine_count && is_other(v, i, body); ++j) {
+            if (!is_other(v, j, body) || strcmp(v->engines[i].family, v->engines[j].family) == 0) {
+                continue;
+            }
+            const pl_body_verdict *a = &v->engines[i].bodies[body],
+                                  *b = &v->engines[j].bodies[body];
+            const double near = negligible_share * fmin(a->final, b->final);
+            if (apart(a, b) <= fmax(v->reference->bounds[body], near)) {
+                if (one != NULL && other != NULL) {
+                    *one = i;
+                    *other = j;
+                }
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* The number of bodies in which engines of other families contradict the reference. *first: one. */
+static int count_contradicted(const pl_reference_verdict *v, int *first)
+{
+    int count = 0;
+    for (int b = v->reference->bodies - 1; b >= 0; --b) {
+        if (pl_reference_is_contradicted(v, b, NULL, NULL)) {
+            count += 1;
+            *first = b;
+        }
+    }
+    return count;
+}
+
+/* Who contradicts the reference. Nobody is judged by it then. */
+static pl_status say_contradiction(const pl_reference_verdict *v, json_t *sentences,
+                                   pl_error *error)
+{
+    const pl_reference *reference = v->reference;
+    int body = 0, one = 0, other = 0;
+    const int count = count_contradicted(v, &body);
+    pl_reference_is_contradicted(v, body, &one, &other);
+    const pl_body_verdict *a = &v->engines[one].bodies[body], *b = &v->engines[other].bodies[body];
+    pl_text_buffer text = {0};
+    pl_text_format(&text,
+                   "%s: %s and %s, which share no code, end %.2g m from each other and %.3g m from "
+                   "the reference, which is %s at a step of %.3g s",
+                   body_name(v, body), v->engines[one].label, v->engines[other].label, apart(a, b),
+                   fmin(a->final, b->final), reference->engines[0].label,
+                   reference->dt / (1 << (reference->engines[0].count - 1)));
+    if (count > 1) {
+        pl_text_format(&text, "; so it is with %d bodies in all", count);
+    }
+    if (reference->second > 0 && reference->disputed == 0 && reference->unconfirmed == 0) {
+        pl_text_format(&text, "; %s confirms it to within %.2g m",
+                       reference->engines[reference->second].label, reference->confirmed);
+    }
+    pl_text_add(&text, ". The reference may be wrong: it has no error estimate, and no engine is "
+                       "judged by it");
+    return pl_sentence_add(sentences, &text, error);
 }
 
 /* Where the reference comes from, and what confirms it. */
@@ -260,6 +382,35 @@ static pl_status say_differences(const pl_reference_verdict *v, json_t *sentence
     return status;
 }
 
+/* The engines that leave the reference for a while. */
+static pl_status say_strays(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < v->engine_count && status == PL_OK; ++i) {
+        const pl_engine_verdict *e = &v->engines[i];
+        int worst = -1;
+        for (int b = 0; b < v->reference->bodies && e->straying > 0; ++b) {
+            worst = !isnan(e->bodies[b].strays_at) &&
+                            (worst < 0 || e->bodies[b].stray > e->bodies[worst].stray)
+                        ? b
+                        : worst;
+        }
+        if (worst >= 0) {
+            pl_text_buffer text = {0};
+            pl_text_format(&text,
+                           "%s: %s is up to %.3g m away from the reference, at t = %.3g s, "
+                           "and near it again at the end",
+                           body_name(v, worst), e->label, e->bodies[worst].stray,
+                           e->bodies[worst].strays_at);
+            if (e->straying > 1) {
+                pl_text_format(&text, "; so are %d bodies in all", e->straying);
+            }
+            status = pl_sentence_add(sentences, &text, error);
+        }
+    }
+    return status;
+}
+
 /* The engines that could not be compared, or not to the end. */
 static pl_status say_missing(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
 {
@@ -269,7 +420,8 @@ static pl_status say_missing(const pl_reference_verdict *v, json_t *sentences, p
         if (e->bodies == NULL || !e->completed) {
             pl_text_buffer text = {0};
             pl_text_format(&text, "%s is %s", e->label,
-                           e->bodies == NULL
+                           e->is_unsupported ? "not compared: it does not support the scene"
+                           : e->bodies == NULL
                                ? "not compared, because it left no path"
                                : "compared only until its run ended, before the end of the scene");
             status = pl_sentence_add(sentences, &text, error);
@@ -286,7 +438,7 @@ static pl_status say_agreement(const pl_reference_verdict *v, json_t *sentences,
     int agreeing = 0;
     for (int i = 0; i < v->engine_count; ++i) {
         const pl_engine_verdict *e = &v->engines[i];
-        if (e->bodies != NULL && e->completed && e->differing == 0) {
+        if (e->bodies != NULL && e->completed && e->differing == 0 && e->straying == 0) {
             pl_text_format(&names, "%s%s", agreeing == 0 ? "" : ", ", e->label);
             agreeing += 1;
             for (int b = 0; b < v->reference->bodies; ++b) {
@@ -318,7 +470,15 @@ static pl_status say_agreement(const pl_reference_verdict *v, json_t *sentences,
 pl_status pl_reference_sentences(const pl_reference_verdict *verdict, json_t *sentences,
                                  pl_error *error)
 {
+    int first = 0;
+    if (count_contradicted(verdict, &first) > 0) {
+        const pl_status said = say_contradiction(verdict, sentences, error);
+        return said == PL_OK ? say_missing(verdict, sentences, error) : said;
+    }
     pl_status status = say_differences(verdict, sentences, error);
+    if (status == PL_OK) {
+        status = say_strays(verdict, sentences, error);
+    }
     if (status == PL_OK) {
         status = say_missing(verdict, sentences, error);
     }

@@ -16,6 +16,10 @@ typedef struct pl_body_verdict {
     /* s: of the first sample from which on the body is farther from the reference than the bound and
      * than three times the reference's error, to the last; NAN: it does not differ */
     double differs_from;
+    /* Of a body that is beyond that bound for a while, and within it at the end: its largest distance,
+     * m, and when, s; 0 and NAN: of others */
+    double stray, strays_at;
+    double off[3]; /* m: from the reference to the body at the last sample that was judged */
 } pl_body_verdict;
 
 /* One engine configuration against the reference. */
@@ -25,6 +29,9 @@ typedef struct pl_engine_verdict {
     bool completed;          /* its path has the last sample */
     pl_body_verdict *bodies; /* (bodies); NULL: it left no path */
     int differing;           /* bodies that differ */
+    int straying;            /* bodies that are beyond the bound for a while */
+    bool is_unsupported;     /* the engine does not support the scene */
+    char family[16];         /* of engines that share code: the letters that its name begins with */
 } pl_engine_verdict;
 
 /* All configurations of a plan against the reference of one of its cases. */
@@ -39,13 +46,20 @@ typedef struct pl_reference_verdict {
 pl_body_verdict pl_body_judge(const pl_reference *reference, const pl_body_paths *paths, int body);
 
 /* Judges the first repeats of a case on all configurations of a plan, whose positions are in
- * `folder`. The reference is known. PL_NO_MEMORY. The caller frees *verdict in any case. */
+ * `folder`; `results`, an array, says which runs are unsupported. The reference is known. PL_NO_MEMORY.
+ * The caller frees *verdict in any case. */
 pl_status pl_reference_judge(const pl_plan *plan, const pl_case *test_case, const char *folder,
-                             const pl_reference *reference, pl_reference_verdict *verdict,
-                             pl_error *error);
+                             const json_t *results, const pl_reference *reference,
+                             pl_reference_verdict *verdict, pl_error *error);
 
 /* Frees the verdicts. */
 void pl_reference_verdict_free(pl_reference_verdict *verdict);
+
+/* Whether engines of two other families than that of the reference differ from it in the body and agree
+ * with each other: within the bound of the body, or a tenth of their distance from the reference. Then
+ * the reference may be wrong. *one and *other (NULL allowed): such engines. */
+bool pl_reference_is_contradicted(const pl_reference_verdict *verdict, int body, int *one,
+                                  int *other);
 
 /* Appends the sentences to an array of strings: on the reference, on the bodies that differ, and on
  * the engines that agree. PL_NO_MEMORY. */
