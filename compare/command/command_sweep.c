@@ -356,9 +356,9 @@ static const pl_option OPTIONS[] = {
      "that of the scene itself (default 2; 0 with --vary)",
      PL_OPTION_INTEGER, .field = offsetof(options, changes), .max = 7},
     {"cpu-limit", NULL,
-     "Longest CPU time in seconds of the engine's own calls in a run: create, step and read. The "
-     "referee's time does not count. What ends there is not tried at shorter time steps (default "
-     "3; none with --vary)",
+     "Longest CPU time in seconds of the engine's create and steps in a run. A call that reads "
+     "counts only if it alone takes longer. The referee's time does not count. A configuration "
+     "that hits this limit is not tried at shorter time steps (default 3; none with --vary)",
      .kind = PL_OPTION_HELP},
     {"plan", "FILE",
      "Write the runs as JSON lines in their order, and make none (- is standard output)",

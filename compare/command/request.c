@@ -118,8 +118,8 @@ const pl_option pl_limit_options[] = {
     {"timeout", "S", "Longest wall time of a run in seconds (default 120)", PL_OPTION_NUMBER,
      .field = offsetof(pl_request, limits.timeout), .takes = "seconds", .min = 1e-3, .max = 1e6},
     {"cpu-limit", "S",
-     "Longest CPU time in seconds of the engine's own calls in a run: create, step and read. The "
-     "referee's time does not count (default: none)",
+     "Longest CPU time in seconds of the engine's create and steps in a run. A call that reads "
+     "counts only if it alone takes longer. The referee's time does not count (default: none)",
      PL_OPTION_NUMBER, .field = offsetof(pl_request, limits.cpu_time), .takes = "seconds",
      .min = 1e-3, .max = 1e6},
     {"memory", "GIB",
