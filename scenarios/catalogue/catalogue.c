@@ -24,7 +24,9 @@
     DO(sliding_heading) DO(seam_lanes) DO(seam_wall) DO(passing_flush) \
     DO(alternating_stack) DO(heavy_cylinder) DO(upright_cylinder) DO(lying_battery) \
     DO(peg_on_cube) DO(hulls_touch) DO(touching_boxes) DO(eight_balls) DO(fast_marble) \
-    DO(pool_ball) DO(long_roll) DO(tumbling_box) DO(flipping_box) DO(steady_box)
+    DO(pool_ball) DO(long_roll) DO(tumbling_box) DO(flipping_box) DO(steady_box) \
+    DO(balls_666) DO(elastic_666) DO(kapla) DO(tip_passes) DO(tip_on_tip) DO(tip_in_gap) DO(cliff) \
+    DO(tessellated_rest) DO(tessellated_slide) DO(tessellated_roll)
 /* clang-format on */
 
 #define DECLARE(name) extern const pl_scenario pl_scenario_##name;

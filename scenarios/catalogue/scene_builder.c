@@ -350,7 +350,7 @@ void pl_build_rest_within(pl_builder *builder, int body, double size)
 void pl_build_straight(pl_builder *builder, int body, const pl_straight *path)
 {
     const double *const n = path->up, *const d = path->along;
-    const double visible = 0.01 * path->size, turn = 0.06;
+    const double visible = 0.01 * path->size, sunk = 0.06 * path->size, turn = 0.06;
     double side[3];
     for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -361,6 +361,7 @@ void pl_build_straight(pl_builder *builder, int body, const pl_straight *path)
                         fmax(0.06 * fabs(path->distance), visible)),
         pl_value_within(builder, body, PL_QUANTITY_POSITION, side, 0, visible),
         pl_value_within(builder, body, PL_QUANTITY_APEX, n, 0, visible),
+        pl_value_within(builder, body, PL_QUANTITY_POSITION, n, 0, sunk),
         pl_value_within(builder, body, PL_QUANTITY_TURN, pl_axis_x, 0, turn),
         pl_value_within(builder, body, PL_QUANTITY_TURN, pl_axis_y, 0, turn),
         pl_value_within(builder, body, PL_QUANTITY_TURN, pl_axis_z, 0, turn),

@@ -151,7 +151,8 @@ typedef struct pl_straight {
 } pl_straight;
 
 /* Expects a body to follow the path: its distance within 6 % or 1 % of its size, its distance to the
- * side and its largest height over the start within 1 % of its size, its turn within 0.06 rad. */
+ * side and its largest height over the start within 1 % of its size, its height at `until` within 6 %
+ * of its size, its turn within 0.06 rad. */
 void pl_build_straight(pl_builder *builder, int body, const pl_straight *path);
 
 /* Expects exactly this end value of a statistic. The error is divided by `scale`. */

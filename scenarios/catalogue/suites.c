@@ -166,6 +166,39 @@ static const pl_suite_entry reported[] = {{"drop-coefficients", NULL, 0},
                                           {"flipping-box", NULL, 0},
                                           {"steady-box", NULL, 0}};
 
+/* Named scenes of the literature and of other comparisons of engines. */
+static const pl_suite_entry field[] = {{"balls-666", NULL, 0},
+                                       {"elastic-666", NULL, 0},
+                                       {"kapla", NULL, 0},
+                                       {"pyramid", "n=20,gap=0,friction=0.6", 0},
+                                       {"tip-passes", NULL, 0},
+                                       {"tip-passes", "ground=1", 0},
+                                       {"tip-passes", "ground=2", 0},
+                                       {"tip-passes", "tip=1", 0},
+                                       {"tip-passes", "tip=1,ground=1", 0},
+                                       {"tip-passes", "tip=1,ground=2", 0},
+                                       {"tip-on-tip", NULL, 0},
+                                       {"tip-on-tip", "below=1", 0},
+                                       {"tip-on-tip", "above=1,below=1", 0},
+                                       {"tip-in-gap", NULL, 0},
+                                       {"tip-in-gap", "mesh=1", 0},
+                                       {"tip-in-gap", "tip=1", 0},
+                                       {"tip-in-gap", "tip=1,mesh=1", 0},
+                                       {"cliff", NULL, 0},
+                                       {"cliff", "mesh=1", 0},
+                                       {"cliff", "overhang=0.49", 0},
+                                       {"tessellated-rest", "n=1", 0},
+                                       {"tessellated-rest", NULL, 0},
+                                       {"tessellated-rest", "n=20", 0},
+                                       {"tessellated-slide", "n=0", 0},
+                                       {"tessellated-slide", "n=1", 0},
+                                       {"tessellated-slide", NULL, 0},
+                                       {"tessellated-slide", "n=20", 0},
+                                       {"tessellated-roll", "n=0", 0},
+                                       {"tessellated-roll", NULL, 0},
+                                       {"tessellated-roll", "n=20", 0},
+                                       {"linked-rings", "n=5", 0}};
+
 #define ENTRIES(table) .entries = (table), .entry_count = sizeof(table) / sizeof(table)[0]
 
 static const pl_suite suites[] = {
@@ -193,6 +226,10 @@ static const pl_suite suites[] = {
      .description = "scenes that users of engines reported: rebounds, slides, seams, small and "
                     "heavy bodies at rest, rolling, free rotation",
      ENTRIES(reported)},
+    {.name = "field",
+     .description = "named scenes of the literature and of other comparisons: 666, Kapla, box3d's "
+                    "pyramid, Erleben's contacts, tessellated slabs, a chain of rings",
+     ENTRIES(field)},
     {.name = "paper",
      .description = "the towers of the source paper, next to its own iteration counts",
      ENTRIES(paper),

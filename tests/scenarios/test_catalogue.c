@@ -167,6 +167,16 @@ static void test_needs_are_those_of_the_default_scene(void **state)
         {"tumbling-box", "rotation box"},
         {"flipping-box", "rotation box"},
         {"steady-box", "rotation box"},
+        {"balls-666", "plane sphere"},
+        {"elastic-666", "restitution plane sphere"},
+        {"kapla", "friction rotation plane box"},
+        {"tip-passes", "friction rotation plane hull"},
+        {"tip-on-tip", "friction rotation plane hull"},
+        {"tip-in-gap", "friction rotation box hull"},
+        {"cliff", "friction rotation box"},
+        {"tessellated-rest", "friction rotation box mesh"},
+        {"tessellated-slide", "friction rotation box mesh"},
+        {"tessellated-roll", "friction rotation sphere mesh"},
     };
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);

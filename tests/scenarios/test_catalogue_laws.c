@@ -367,10 +367,15 @@ static void test_braked_distance_is_the_speed_integral(void **state)
 }
 
 /* The sum of d d' over the directions d of a body's expected places has the determinant 1 if they
- * are three axes at right angles. */
+ * are three axes at right angles. A place of rest counts as three axes. */
 static double covered(const pl_scene *scene, int body)
 {
     double m[3][3] = {{0}};
+    for (int i = 0; i < scene->rest_count; ++i) {
+        for (int k = 0; k < 3 && scene->rests[i].body == body; ++k) {
+            m[k][k] += 1;
+        }
+    }
     for (int i = 0; i < scene->value_count; ++i) {
         const pl_expect_value *v = &scene->values[i];
         const bool is_place =
