@@ -1,4 +1,5 @@
 /* Verdicts against a converged reference, from paths that the test makes. */
+#include "adapters/built_in.h"
 #include "check.h"
 #include "studies/reference/reference_verdict.h"
 
@@ -94,11 +95,36 @@ static void test_two_other_families_contradict_the_reference(void **state)
     assert_false(contradicted(own, (double[3]){0, 12, 12}));
 }
 
+static void assert_same_family(const char *one, const char *other, bool expected)
+{
+    char families[2][PL_FAMILY_SIZE];
+    pl_engine_family(one, families[0]);
+    pl_engine_family(other, families[1]);
+    if ((strcmp(families[0], families[1]) == 0) != expected) {
+        fail_msg("%s is of %s, %s of %s", one, families[0], other, families[1]);
+    }
+}
+
+/* Of each other engine the name is all that is known: two builds of one are called alike. */
+static void test_engines_that_share_code_are_one_family(void **state)
+{
+    (void)state;
+    assert_same_family("mujoco", "mujoco3", true);
+    assert_same_family("rapier", "rapier-deterministic", true);
+    assert_same_family("ode", "dart", true);
+    assert_same_family("mine", "mine-2", true);
+    assert_same_family("ode", "bullet", false);
+    assert_same_family("plumb", "bullet", false);
+    assert_same_family("jolt", "physx", false);
+    assert_same_family("mine", "jolt", false);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_body_that_comes_back_has_strayed),
         cmocka_unit_test(test_two_other_families_contradict_the_reference),
+        cmocka_unit_test(test_engines_that_share_code_are_one_family),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,5 @@
 #include "reference_verdict.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,17 +50,6 @@ pl_body_verdict pl_body_judge(const pl_reference *reference, const pl_body_paths
     return verdict;
 }
 
-/* Copies the letters that a name begins with. */
-static void copy_family(const char *name, char family[16])
-{
-    size_t length = 0;
-    while (length < 15 && isalpha((unsigned char)name[length])) {
-        family[length] = name[length];
-        ++length;
-    }
-    family[length] = '\0';
-}
-
 static bool is_unsupported(const json_t *results, const char *run)
 {
     size_t index;
@@ -83,7 +71,7 @@ static pl_status judge_engine(const pl_plan *plan, const pl_planned_run *planned
 {
     pl_body_paths paths = {.samples = 0};
     verdict->label = planned->configuration->label;
-    copy_family(planned->configuration->choice.engine->name, verdict->family);
+    pl_engine_family(planned->configuration->choice.engine->name, verdict->family);
     pl_status status = pl_planned_run_hash(plan, planned, verdict->run, error);
     if (status == PL_OK) {
         status = pl_body_paths_read(folder, verdict->run, &planned->test_case->scene,
@@ -151,8 +139,8 @@ static const char *body_name(const pl_reference_verdict *v, int body)
 static bool is_other(const pl_reference_verdict *v, int engine, int body)
 {
     const pl_engine_verdict *e = &v->engines[engine];
-    char own[16];
-    copy_family(pl_reference_engine, own);
+    char own[PL_FAMILY_SIZE];
+    pl_engine_family(pl_reference_engine, own);
     return e->bodies != NULL && e->completed && !isnan(e->bodies[body].differs_from) &&
            strcmp(e->family, own) != 0;
 }

@@ -3,6 +3,7 @@
 #ifndef PLUMB_REFERENCE_VERDICT_H
 #define PLUMB_REFERENCE_VERDICT_H
 
+#include "adapters/built_in.h"
 #include "base/text_buffer.h"
 #include "converged_reference.h"
 
@@ -24,14 +25,14 @@ typedef struct pl_body_verdict {
 
 /* One engine configuration against the reference. */
 typedef struct pl_engine_verdict {
-    const char *label;       /* borrowed */
-    char run[17];            /* of its result */
-    bool completed;          /* its path has the last sample */
-    pl_body_verdict *bodies; /* (bodies); NULL: it left no path */
-    int differing;           /* bodies that differ */
-    int straying;            /* bodies that are beyond the bound for a while */
-    bool is_unsupported;     /* the engine does not support the scene */
-    char family[16];         /* of engines that share code: the letters that its name begins with */
+    const char *label;           /* borrowed */
+    char run[17];                /* of its result */
+    bool completed;              /* its path has the last sample */
+    pl_body_verdict *bodies;     /* (bodies); NULL: it left no path */
+    int differing;               /* bodies that differ */
+    int straying;                /* bodies that are beyond the bound for a while */
+    bool is_unsupported;         /* the engine does not support the scene */
+    char family[PL_FAMILY_SIZE]; /* of engines that share code */
 } pl_engine_verdict;
 
 /* All configurations of a plan against the reference of one of its cases. */
