@@ -6,8 +6,8 @@
 
 /* ---- 666 ---- */
 
-/* 6 x 6 x 6 balls without friction, almost in a grid, fall and flow apart. No single motion is right: what
- * is judged is overlap where they do not bounce, and energy where they are elastic. */
+/* 6 x 6 x 6 balls without friction, almost in a grid, fall and flow apart. No single motion is right. Balls
+ * that do not bounce are judged by their overlap, elastic ones by their energy. */
 
 enum { BALLS_SIDE };
 

@@ -1,6 +1,6 @@
 /* Surfaces of triangles that are one plane: a cube that rests and one that slides on a tessellated slab,
- * and a ball that rolls over it. The edges within the plane are none of the surface, so that each moves as
- * over a box. Engines that take them for edges have "ghost collisions". */
+ * and a ball that rolls over it. An edge between two triangles of one plane is no edge of the solid: each
+ * moves as over a box. Engines that collide with these edges have "ghost collisions". */
 #include "catalogue.h"
 #include "solids.h"
 #include "trigonometry.h"
@@ -98,7 +98,7 @@ const pl_scenario pl_scenario_tessellated_slide = {
                    "friction stops it: whether it meets their edges.",
     .reference = "v^2 / (2 friction g) straight on, no rise, no turn: as over a box",
     .expected = "ok: the cube slides 102 m as if over a box",
-    .source = "Coulomb's law; edges within a plane are none of the surface",
+    .source = "Coulomb's law; an edge between triangles of one plane is no edge of the solid",
     .primary_error = "value_error",
     PL_ACCEPT_REPORTED,
     .validity = "the slab of 120 m, which a speed of 10 m/s leaves if friction is below 0.045",
@@ -144,7 +144,8 @@ const pl_scenario pl_scenario_tessellated_roll = {
                    "meets their edges.",
     .reference = "velocity and spin constant, straight on, no rise: as over a box",
     .expected = "ok: the ball rolls on at its speed as if over a box",
-    .source = "rolling without slip; edges within a plane are none of the surface",
+    .source =
+        "rolling without slip; an edge between triangles of one plane is no edge of the solid",
     .primary_error = "value_error",
     PL_ACCEPT_REPORTED,
     .validity = "the slab, of 120 m",

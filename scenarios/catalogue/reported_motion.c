@@ -324,7 +324,7 @@ const pl_scenario pl_scenario_flipping_box = {
     .source = "Landau and Lifshitz, Mechanics, section 37",
     .primary_error = "value_error",
     PL_ACCEPT_REPORTED,
-    .validity = "M^2 > 2 E I2, which every disturbance within the range sees to; two periods "
+    .validity = "M^2 > 2 E I2, which holds for every disturbance in the range; two periods "
                 "within the run, else the energy alone",
     .symptom = "a tumbling body gains energy, or comes to rest",
     .threads = "bulletphysics/bullet3#4636, jrouwe/JoltPhysics#803, bepu/bepuphysics2#79",
