@@ -113,6 +113,13 @@ static void elastic_build(pl_builder *b, const double *values)
         pl_build_value(b, &apex);
     }
     pl_build_within(b, ball, PL_QUANTITY_ENERGY, pl_axis_z, 0, 0.06 * b->gravity * height);
+    if (b->end > fall) { /* so that a ball that hangs in the air is off */
+        const double most = b->gravity * fall;
+        pl_expect_value speed =
+            pl_value_within(b, ball, PL_QUANTITY_TOP_SPEED, pl_axis_z, most, 0.06 * most);
+        speed.bound = PL_BOUND_AT_LEAST;
+        pl_build_value(b, &speed);
+    }
 }
 
 const pl_scenario pl_scenario_elastic_bounces = {
