@@ -27,9 +27,9 @@ static void add_balls(pl_builder *b, int n, double lowest)
     for (int i = 0; i < n * n * n; ++i) {
         const double x = pl_draw_uniform(&b->random, -off, off);
         const double y = pl_draw_uniform(&b->random, -off, off);
-        pl_body ball =
-            pl_body_at(pl_shape_sphere(ball_radius), ball_spacing * (i % n) + x,
-                       ball_spacing * (i / n % n) + y, lowest + ball_spacing * (i / (n * n)));
+        const int column = i % n, row = i / n % n, layer = i / (n * n);
+        pl_body ball = pl_body_at(pl_shape_sphere(ball_radius), ball_spacing * column + x,
+                                  ball_spacing * row + y, lowest + ball_spacing * layer);
         ball.mass = ball_mass;
         pl_build_body(b, &ball, "ball %d", i);
     }
@@ -89,7 +89,7 @@ static const pl_param kapla_params[] = {
     {"floors", 6, 1, 50, true, "1", "of two layers of 8 planks"},
     PL_PARAM_FRICTION,
     PL_PARAM_STEP(0.01),
-    PL_PARAM_DURATION(10),
+    PL_PARAM_DURATION(5),
 };
 
 /* Eight planks at the height z. Along y they lie in one row, along x in four rows of two. */
@@ -97,11 +97,12 @@ static void add_layer(pl_builder *b, int layer, bool along_x)
 {
     const double z = plank[2] * (2 * layer + 1);
     for (int i = 0; i < 8; ++i) {
-        pl_body body = along_x ? pl_body_at(pl_shape_box(plank[0], plank[1], plank[2]),
-                                            plank[0] * (2 * (i % 2) - 1),
-                                            plank[1] * (2 * (double)(i / 2) - 3), z)
-                               : pl_body_at(pl_shape_box(plank[1], plank[0], plank[2]),
-                                            plank[1] * (2 * (double)i - 7), 0, z);
+        const int column = i % 2, row = i / 2; /* of a layer along x */
+        pl_body body = along_x
+                           ? pl_body_at(pl_shape_box(plank[0], plank[1], plank[2]),
+                                        plank[0] * (2 * column - 1), plank[1] * (2 * row - 3), z)
+                           : pl_body_at(pl_shape_box(plank[1], plank[0], plank[2]),
+                                        plank[1] * (2 * i - 7), 0, z);
         body.mass = 10;
         const int index = pl_build_body(b, &body, "plank %d.%d", layer + 1, i + 1);
         pl_build_rest_within(b, index, 0.2);

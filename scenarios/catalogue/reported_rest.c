@@ -286,9 +286,10 @@ static void add_pair(pl_builder *b, int pair, double yaw)
     const double most = 6e-5, speed = 0.1; /* m, m/s */
     const double reach = box_half[0] * pl_sine(yaw) + box_half[1] * pl_cosine(yaw);
     const double touch = 2 * box_half[1];
+    const int column = pair % 10, row = pair / 10;
     for (int i = 0; i < 2; ++i) {
-        pl_body body = pl_body_at(pl_shape_box(box_half[0], box_half[1], box_half[2]),
-                                  0.3 * (pair % 10), 0.4 * (pair / 10), box_half[2]);
+        pl_body body = pl_body_at(pl_shape_box(box_half[0], box_half[1], box_half[2]), 0.3 * column,
+                                  0.4 * row, box_half[2]);
         body.mass = 0.852;
         if (i == 1) {
             body.position[1] += fmax(touch, box_half[1] + reach - most);

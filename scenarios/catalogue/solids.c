@@ -273,8 +273,9 @@ pl_solid pl_solid_slab(double half_x, double half_y, double half_z, int n)
     pl_solid s;
     if (take(&s, 2 * layer, 4 * n * n + 8 * n)) {
         for (int i = 0; i < 2 * layer; ++i) {
-            put_vertex(&s, half_x * (2.0 * (i % row) / n - 1),
-                       half_y * (2.0 * (i % layer / row) / n - 1), i < layer ? -half_z : half_z);
+            const int x = i % row, y = i % layer / row;
+            put_vertex(&s, half_x * (2.0 * x / n - 1), half_y * (2.0 * y / n - 1),
+                       i < layer ? -half_z : half_z);
         }
         put_grid(&s, 0, n, false);
         put_grid(&s, layer, n, true);

@@ -4,6 +4,7 @@
 #include "studies/reference/reference_verdict.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { SAMPLES = 11 };
@@ -73,7 +74,7 @@ static bool contradicted(const char *const families[3], const double ends[3])
                                       .differs_from = fabs(ends[i]) > 0.01 ? 0.5 : (double)NAN};
         engines[i].bodies = &bodies[i];
         engines[i].completed = true;
-        strcpy(engines[i].family, families[i]);
+        snprintf(engines[i].family, sizeof engines[i].family, "%s", families[i]);
     }
     const pl_reference_verdict verdict = {
         .reference = &s.reference, .engines = engines, .engine_count = 3};

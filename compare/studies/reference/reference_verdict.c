@@ -43,7 +43,7 @@ pl_body_verdict pl_body_judge(const pl_reference *reference, const pl_body_paths
         verdict.stray = 0;
         verdict.strays_at = (double)NAN;
     }
-    for (int k = 0; k < 3 && judged > 0; ++k) {
+    for (int k = 0; k < 3 && judged > 0 && paths->moved != NULL; ++k) {
         const size_t at = ((size_t)(judged - 1) * (size_t)own->bodies + (size_t)body) * 3;
         verdict.off[k] = paths->moved[at + (size_t)k] - own->moved[at + (size_t)k];
     }
