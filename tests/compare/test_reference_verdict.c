@@ -61,11 +61,13 @@ static void test_a_body_that_comes_back_has_strayed(void **state)
     assert_close(verdict.off[0], 0.1, 0, 0);
 }
 
-/* Three engines whose body ends at these places, m, along x. */
-static bool contradicted(const char *const families[3], const double ends[3])
+/* Three engines whose body ends at these places, m, along x; `second` is the number of the engine that
+ * confirms the reference at smaller steps, 0: none does. */
+static bool contradicted_beside(int second, const char *const families[3], const double ends[3])
 {
     staged s;
     stage(&s);
+    s.reference.second = second;
     pl_body_verdict bodies[3];
     pl_engine_verdict engines[3] = {{0}};
     for (int i = 0; i < 3; ++i) {
@@ -79,6 +81,20 @@ static bool contradicted(const char *const families[3], const double ends[3])
     const pl_reference_verdict verdict = {
         .reference = &s.reference, .engines = engines, .engine_count = 3};
     return pl_reference_is_contradicted(&verdict, 0, NULL, NULL);
+}
+
+static bool contradicted(const char *const families[3], const double ends[3])
+{
+    return contradicted_beside(0, families, ends);
+}
+
+/* Engines at the scene's own step share the error of that step, or fall in the same way. */
+static void test_a_confirmed_reference_is_not_contradicted(void **state)
+{
+    (void)state;
+    const char *const other[3] = {"plumb", "ode", "bullet"};
+    assert_true(contradicted_beside(0, other, (double[3]){0, 1, 1}));
+    assert_false(contradicted_beside(1, other, (double[3]){0, 1, 1}));
 }
 
 static void test_two_other_families_contradict_the_reference(void **state)
@@ -124,6 +140,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_body_that_comes_back_has_strayed),
+        cmocka_unit_test(test_a_confirmed_reference_is_not_contradicted),
         cmocka_unit_test(test_two_other_families_contradict_the_reference),
         cmocka_unit_test(test_engines_that_share_code_are_one_family),
     };

@@ -151,9 +151,15 @@ static double apart(const pl_body_verdict *a, const pl_body_verdict *b)
     return hypot(hypot(a->off[0] - b->off[0], a->off[1] - b->off[1]), a->off[2] - b->off[2]);
 }
 
+/* Whether an engine of another family converges to the same answer. */
+static bool is_confirmed(const pl_reference *reference)
+{
+    return reference->second > 0 && reference->disputed == 0 && reference->unconfirmed == 0;
+}
+
 bool pl_reference_is_contradicted(const pl_reference_verdict *v, int body, int *one, int *other)
 {
-    for (int i = 0; i < v->engine_count; ++i) {
+    for (int i = 0; i < v->engine_count && !is_confirmed(v->reference); ++i) {
         for (int j = i + 1; j < v->engine_count && is_other(v, i, body); ++j) {
             if (!is_other(v, j, body) || strcmp(v->engines[i].family, v->engines[j].family) == 0) {
                 continue;
@@ -204,10 +210,6 @@ static pl_status say_contradiction(const pl_reference_verdict *v, json_t *senten
                    reference->dt / (1 << (reference->engines[0].count - 1)));
     if (count > 1) {
         pl_text_format(&text, "; so it is with %d bodies in all", count);
-    }
-    if (reference->second > 0 && reference->disputed == 0 && reference->unconfirmed == 0) {
-        pl_text_format(&text, "; %s confirms it to within %.2g m",
-                       reference->engines[reference->second].label, reference->confirmed);
     }
     pl_text_add(&text, ". The reference may be wrong: it has no error estimate, and no engine is "
                        "judged by it");

@@ -57,8 +57,10 @@ pl_status pl_reference_judge(const pl_plan *plan, const pl_case *test_case, cons
 void pl_reference_verdict_free(pl_reference_verdict *verdict);
 
 /* Whether engines of two other families than that of the reference differ from it in the body and agree
- * with each other: within the bound of the body, or a tenth of their distance from the reference. Then
- * the reference may be wrong. *one and *other (NULL allowed): such engines. */
+ * with each other: within the bound of the body, or a tenth of their distance from the reference. Then a
+ * reference that no second engine confirms may be wrong. At the scene's own step engines can share an error
+ * of that step, so that a confirmed reference is not contradicted. *one and *other (NULL allowed): such
+ * engines. */
 bool pl_reference_is_contradicted(const pl_reference_verdict *verdict, int body, int *one,
                                   int *other);
 
