@@ -197,14 +197,25 @@ def thread_links(threads):
     return ", ".join(links)
 
 
-def by_engine(state, labels):
-    """Configurations, grouped by engine and version: "ODE 0.16.2 (quick, dantzig)"."""
+def what_is_off(runs):
+    """The outcomes of runs that failed, and the quantities that are off in the others: "collapsed, turn"."""
+    words = []
+    for run in runs:
+        words += [run["outcome"]] if run["verdict"] == "failed" and run["outcome"] != "ok" else []
+        words += [off["what"].split(":")[0].split(" of ")[0] for off in run.get("off") or []]
+    return ", ".join(dict.fromkeys(words)) or "verdict"
+
+
+def by_engine(state, labels, detail=None):
+    """Configurations, grouped by engine and version: "ODE 0.16.2 (quick, dantzig)"; with the details of each, if
+    there are any: "ODE 0.16.2 (quick: turn; dantzig: apex)"."""
     profiles = defaultdict(list)
     for label in labels:
         engine, _, profile = label.partition(":")
-        profiles[engine].append(profile)
+        profiles[engine].append(f"{profile}: {detail[label]}" if detail else profile)
+    between = "; " if detail else ", "
     return "; ".join(
-        f"{ENGINES[engine][0]} {state.engines[engine]['version']} ({', '.join(names)})"
+        f"{ENGINES[engine][0]} {state.engines[engine]['version']} ({between.join(names)})"
         for engine, names in profiles.items()
     )
 
@@ -228,9 +239,14 @@ def symptom_rows(state):
                 [label for label in state.labels if label in group]
                 for group in (wrong, judged - wrong, ran - judged)
             ]
-            rows.append((scenario, *lists))
+            wrong_runs = defaultdict(list)
+            for run in runs:
+                if run["verdict"] in ("inaccurate", "failed"):
+                    wrong_runs[run["label"]].append(run)
+            detail = {label: what_is_off(own) for label, own in wrong_runs.items()}
+            rows.append((scenario, detail, *lists))
     # Symptoms of the engine that this project ships come first, then those of the most configurations.
-    return sorted(rows, key=lambda row: (not any(engine_of(label) == "plumb" for label in row[1]), -len(row[1])))
+    return sorted(rows, key=lambda row: (not any(engine_of(label) == "plumb" for label in row[2]), -len(row[2])))
 
 
 def write_symptoms(state):
@@ -240,8 +256,9 @@ def write_symptoms(state):
     write("## Reported symptoms in these versions", "")
     paragraph(f"""Users of engines reported these symptoms in public threads. Each has a scene of the suite `reported`,
         after the thread, with a right answer. A configuration that is accurate on all settings of a scene does not show
-        the symptom. One that is not accurate may show it, or fail the scene in another way: its verdict names what is
-        off. {sum(bool(wrong) for _, wrong, _, _ in rows)} of {len(rows)} scenes are missed by some configuration.""")
+        the symptom. One that is not accurate may show it, or fail the scene in another way: behind it stands how it
+        failed, or which quantities are off, the worst three of each run.
+        {sum(bool(detail) for _, detail, *_ in rows)} of {len(rows)} scenes are missed by some configuration.""")
     table(
         ["scene", "symptom", "reported in", "not accurate", "accurate", "unsupported"],
         [
@@ -249,9 +266,10 @@ def write_symptoms(state):
                 f"`{scenario['name']}`",
                 scenario["symptom"],
                 thread_links(scenario["threads"]),
+                by_engine(state, wrong, detail) or "–",
                 *(by_engine(state, labels) or "–" for labels in lists),
             ]
-            for scenario, *lists in rows
+            for scenario, detail, wrong, *lists in rows
         ],
     )
     write("`plumb compare --suite reported --with all --cpu-limit 20 --timeout 90`", "")
