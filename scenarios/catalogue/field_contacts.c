@@ -125,15 +125,17 @@ const pl_scenario pl_scenario_tip_passes = {
 
 /* ---- A tip on a tip ---- */
 
-/* A tip falls by a gap onto a tip that points up. It cannot stay: what is right is that it does not
- * overlap, and never has more energy than at its start. */
+/* A tip falls by a gap onto a tip that points up, a little beside it. It cannot stay: it slips off its steep
+ * side, without overlap, and never has more energy than at its start. Without the offset it could balance:
+ * then the overlap and the energy alone are judged. */
 
-enum { ON_ABOVE, ON_BELOW, ON_GAP };
+enum { ON_ABOVE, ON_BELOW, ON_GAP, ON_OFFSET };
 
 static const pl_param on_params[] = {
     TIP_PARAM("above", "the body"),
     TIP_PARAM("below", "its support"),
     {"gap", 1e-4, 0, 0.1, false, "m", "between the tips at the start"},
+    {"offset", 0.01, 0, 0.4, false, "m", "of the upper tip to the side, along x"},
     PL_PARAM_FRICTION,
     PL_PARAM_STEP(0.01),
     PL_PARAM_DURATION(2),
@@ -146,13 +148,19 @@ static void on_build(pl_builder *b, const double *values)
     pl_body tip = pl_body_at(tip_shape(b, below, -1, "upwards"), 0, 0, 0);
     tip.is_static = true;
     pl_build_body(b, &tip, "below");
-    tip = pl_body_at(tip_shape(b, above, 1, "downwards"), 0, 0, values[ON_GAP]);
+    tip = pl_body_at(tip_shape(b, above, 1, "downwards"), values[ON_OFFSET], 0, values[ON_GAP]);
     tip.mass = tip_mass(above);
     const int index = pl_build_body(b, &tip, "above");
     pl_expect_value energy = pl_value_within(b, index, PL_QUANTITY_ENERGY, pl_axis_z, 0,
                                              0.01 * tip.mass * b->gravity * tip_height);
     energy.bound = PL_BOUND_AT_MOST;
     pl_build_value(b, &energy);
+    if (values[ON_OFFSET] >= 0.01 && b->end >= 2) {
+        pl_expect_value fallen =
+            pl_value_within(b, index, PL_QUANTITY_POSITION, pl_axis_z, -0.5, 0.01);
+        fallen.bound = PL_BOUND_AT_MOST;
+        pl_build_value(b, &fallen);
+    }
 }
 
 const pl_scenario pl_scenario_tip_on_tip = {

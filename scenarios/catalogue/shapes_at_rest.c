@@ -132,7 +132,7 @@ static const double linked_rings_ring_radius = 0.5, linked_rings_tube_radius = 0
 
 static const pl_param linked_rings_params[] = {
     {"drop", 0, 0, 0.3, false, "m", "height from which the lowest ring falls into the one above"},
-    {"n", 1, 1, 50, true, "1", "rings that hang, each from the one above"},
+    {"rings", 1, 1, 50, true, "1", "rings that hang, each from the one above"},
     PL_PARAM_FRICTION,
     PL_PARAM_TIME(10),
 };

@@ -179,8 +179,10 @@ static const pl_suite_entry field[] = {{"balls-666", NULL, 0},
                                        {"tip-passes", "tip=1,ground=1", 0},
                                        {"tip-passes", "tip=1,ground=2", 0},
                                        {"tip-on-tip", NULL, 0},
+                                       {"tip-on-tip", "offset=0", 0},
                                        {"tip-on-tip", "below=1", 0},
                                        {"tip-on-tip", "above=1,below=1", 0},
+                                       {"tip-on-tip", "above=1,below=1,offset=0", 0},
                                        {"tip-in-gap", NULL, 0},
                                        {"tip-in-gap", "mesh=1", 0},
                                        {"tip-in-gap", "tip=1", 0},
@@ -198,7 +200,7 @@ static const pl_suite_entry field[] = {{"balls-666", NULL, 0},
                                        {"tessellated-roll", "n=0", 0},
                                        {"tessellated-roll", NULL, 0},
                                        {"tessellated-roll", "n=20", 0},
-                                       {"linked-rings", "n=5", 0}};
+                                       {"linked-rings", "rings=5", 0}};
 
 #define ENTRIES(table) .entries = (table), .entry_count = sizeof(table) / sizeof(table)[0]
 

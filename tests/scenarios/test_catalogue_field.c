@@ -133,7 +133,7 @@ static void test_slide_over_slab_loses_its_energy_to_friction(void **state)
 static void test_each_ring_hangs_from_the_one_above(void **state)
 {
     (void)state;
-    static const char *const settings[] = {"n=5", NULL};
+    static const char *const settings[] = {"rings=5", NULL};
     pl_scene scene = scenario_scene("linked-rings", settings);
     assert_int_equal(scene.rest_count, 5);
     double reach = 0; /* of the inner side, from the axis down */

@@ -389,7 +389,8 @@ static double covered(const pl_scene *scene, int body)
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/* So that no engine may let a body drift where the reference does not look. How far a rocking block
+/* So that no engine may let a body drift where the reference does not look. A bound leaves the place
+ * open. How far a rocking block
  * has come along x at the end has no closed form. */
 static void test_places_are_expected_in_all_directions(void **state)
 {
@@ -401,6 +402,7 @@ static void test_places_are_expected_in_all_directions(void **state)
         for (int k = 0; k < scene.value_count; ++k) {
             const pl_quantity quantity = scene.values[k].quantity;
             if ((quantity == PL_QUANTITY_POSITION || quantity == PL_QUANTITY_APEX) &&
+                scene.values[k].bound == PL_BOUND_EQUAL &&
                 strcmp(scene.name, "rocking-block") != 0) {
                 assert_true(covered(&scene, scene.values[k].body) > 0.99);
                 judged += 1;
