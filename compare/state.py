@@ -8,7 +8,7 @@ from collections import Counter, defaultdict
 
 FOLDER = sys.argv[1]
 NOTES = os.path.join(os.path.dirname(sys.argv[0]), "state_notes.md")
-SUITES = ["canonical", "analytic", "hard", "chaotic"]
+SUITES = ["canonical", "analytic", "hard", "chaotic", "reported", "field"]
 UNKNOWN = "cause not known"
 # Name, adapter, and where its makers take objections.
 ENGINES = {
@@ -60,6 +60,12 @@ def engine_of(label):
     return label.split(":")[0]
 
 
+def number_of(text):
+    """The number of a setting, such as 0.5 or 1/240."""
+    above, _, below = text.partition("/")
+    return float(above) / float(below or 1)
+
+
 class State:
     """What was measured."""
 
@@ -71,6 +77,7 @@ class State:
         for suite in json.loads(text_of("suites.json")):
             for case in suite["scenarios"]:
                 self.suites_of[case].add(suite["name"])
+        self.scenarios = json.loads(text_of("scenarios.json"))
         self.conformance = {}
         for path in glob.glob(os.path.join(FOLDER, "conformance-*.json")):
             with open(path, encoding="utf-8") as file:
@@ -86,7 +93,7 @@ class State:
         def fits(case):
             params = run["params"]
             return case.split()[0] == run["scenario"] and all(
-                float(params.get(key, "nan")) == float(value) for key, value in values(case)
+                float(params.get(key, "nan")) == number_of(value) for key, value in values(case)
             )
 
         return max(filter(fits, self.suites_of), key=lambda case: len(values(case)))
@@ -181,6 +188,93 @@ def write_verdicts(state):
     table(["configuration", *SUITES, "all", "unsupported"], rows)
 
 
+def thread_links(threads):
+    """Links to "OWNER/REPOSITORY#NUMBER, ...", by the repository and the number."""
+    links = []
+    for thread in threads.split(", "):
+        repository, _, number = thread.partition("#")
+        links.append(f"[{repository.split('/')[1]}#{number}](https://github.com/{repository}/issues/{number})")
+    return ", ".join(links)
+
+
+def what_is_off(runs):
+    """The outcomes of runs that failed, and the quantities that are off in the others: "collapsed, turn"."""
+    words = []
+    for run in runs:
+        words += [run["outcome"]] if run["verdict"] == "failed" and run["outcome"] != "ok" else []
+        words += [off["what"].split(":")[0].split(" of ")[0] for off in run.get("off") or []]
+    return ", ".join(dict.fromkeys(words)) or "verdict"
+
+
+def by_engine(state, labels, detail=None):
+    """Configurations, grouped by engine and version: "ODE 0.16.2 (quick, dantzig)"; with the details of each, if
+    there are any: "ODE 0.16.2 (quick: turn; dantzig: apex)"."""
+    profiles = defaultdict(list)
+    for label in labels:
+        engine, _, profile = label.partition(":")
+        profiles[engine].append(f"{profile}: {detail[label]}" if detail else profile)
+    between = "; " if detail else ", "
+    return "; ".join(
+        f"{ENGINES[engine][0]} {state.engines[engine]['version']} ({between.join(names)})"
+        for engine, names in profiles.items()
+    )
+
+
+def symptom_rows(state):
+    """Each reported symptom, with the configurations that are wrong, right and unsupported on its scenes."""
+    rows = []
+    for scenario in state.scenarios:
+        if "symptom" not in scenario:
+            continue
+        runs = [
+            run
+            for run in state.runs
+            if run["scenario"] == scenario["name"] and "reported" in state.suites_of[state.case_of(run)]
+        ]
+        ran = {run["label"] for run in runs}
+        wrong = {run["label"] for run in runs if run["verdict"] in ("inaccurate", "failed")}
+        judged = {run["label"] for run in runs if run["verdict"] is not None}
+        if runs:
+            lists = [
+                [label for label in state.labels if label in group]
+                for group in (wrong, judged - wrong, ran - judged)
+            ]
+            wrong_runs = defaultdict(list)
+            for run in runs:
+                if run["verdict"] in ("inaccurate", "failed"):
+                    wrong_runs[run["label"]].append(run)
+            detail = {label: what_is_off(own) for label, own in wrong_runs.items()}
+            rows.append((scenario, detail, *lists))
+    # Symptoms of the engine that this project ships come first, then those of the most configurations.
+    return sorted(rows, key=lambda row: (not any(engine_of(label) == "plumb" for label in row[2]), -len(row[2])))
+
+
+def write_symptoms(state):
+    rows = symptom_rows(state)
+    if not rows:
+        return
+    write("## Reported symptoms in these versions", "")
+    paragraph(f"""Users of engines reported these symptoms in public threads. Each has a scene of the suite `reported`,
+        after the thread, with a right answer. A configuration that is accurate on all settings of a scene does not show
+        the symptom. One that is not accurate may show it, or fail the scene in another way: behind it stands how it
+        failed, or which quantities are off, the worst three of each run.
+        {sum(bool(detail) for _, detail, *_ in rows)} of {len(rows)} scenes are missed by some configuration.""")
+    table(
+        ["scene", "symptom", "reported in", "not accurate", "accurate", "unsupported"],
+        [
+            [
+                f"`{scenario['name']}`",
+                scenario["symptom"],
+                thread_links(scenario["threads"]),
+                by_engine(state, wrong, detail) or "–",
+                *(by_engine(state, labels) or "–" for labels in lists),
+            ]
+            for scenario, detail, wrong, *lists in rows
+        ],
+    )
+    write("`plumb compare --suite reported --with all --cpu-limit 20 --timeout 90`", "")
+
+
 def write_thresholds(state):
     write("## Thresholds", "")
     paragraph("""At which angle a block slides or tips, how far blocks hang over, with which friction spheres stack: the
@@ -257,6 +351,7 @@ def main():
     write_introduction(state)
     write_engines(state)
     write_verdicts(state)
+    write_symptoms(state)
     write_thresholds(state)
     write_speed()
     with open(NOTES, encoding="utf-8") as notes:
@@ -264,4 +359,5 @@ def main():
     write_findings(state)
 
 
-main()
+if __name__ == "__main__":
+    main()

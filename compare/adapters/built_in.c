@@ -92,7 +92,11 @@ const pl_built_in *pl_built_in_engines(int *count)
          .entry = pl_engine_mujoco
 #endif
         },
-        {.name = "dart", .package = "libdart-dev", .libraries = "", .path = dart_module},
+        {.name = "dart",
+         .family = "ode", /* two of its profiles use ODE's collision detector */
+         .package = "libdart-dev",
+         .libraries = "",
+         .path = dart_module},
         WEB("mujoco3", "mujoco3.mjs", "@mujoco/mujoco"),
         WEB("rapier", "rapier.mjs", "@dimforge/rapier3d-compat"),
         WEB("rapier-deterministic", "rapier.mjs deterministic",
@@ -110,6 +114,20 @@ const pl_built_in *pl_built_in_engines(int *count)
     }
     *count = (int)(sizeof all / sizeof *all);
     return all;
+}
+
+void pl_engine_family(const char *name, char family[PL_FAMILY_SIZE])
+{
+    int count;
+    const pl_built_in *all = pl_built_in_engines(&count);
+    for (int i = 0; i < count; ++i) {
+        if (strcmp(all[i].name, name) == 0 && all[i].family != NULL) {
+            name = all[i].family;
+            break;
+        }
+    }
+    const size_t letters = strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ");
+    snprintf(family, PL_FAMILY_SIZE, "%.*s", (int)letters, name);
 }
 
 bool pl_has_program(const char *name)

@@ -20,6 +20,8 @@ const pl_engine *pl_engine_mujoco(void);
  * of ours that is a program. */
 typedef struct pl_built_in {
     const char *name;
+    const char
+        *family; /* engines that share code with it have the same; NULL: see pl_engine_family */
     const char *package;   /* the packages that provide it; "" for our own */
     const char *libraries; /* base names of its shared libraries begin with one of these, separated
                               by blanks; "": it has none */
@@ -44,6 +46,13 @@ enum { PL_HOW_TO_GET = 4200 };
 
 /* Writes what gets an absent engine: for the installed program, or for the one in its build. */
 void pl_built_in_how_to_get(const pl_built_in *built_in, char *text, size_t size);
+
+enum { PL_FAMILY_SIZE = 16 };
+
+/* Writes the family of the engine of that name. Engines of two families share no code, so that one confirms
+ * the other. It is that of the table, or else the letters that the name begins with: two builds of one
+ * engine are one family. */
+void pl_engine_family(const char *name, char family[PL_FAMILY_SIZE]);
 
 /* More than there are. */
 enum { PL_MOST_BUILT_IN = 24 };

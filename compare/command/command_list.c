@@ -58,12 +58,14 @@ static json_t *list_scenarios(void)
             }
         }
         json_array_append_new(
-            list, json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s*, s:s*, s:o*, s:s, s:o, s:o, s:o}",
-                            "name", s->name, "title", s->title, "description", s->description,
-                            "reference", s->reference, "expected", s->expected, "source", s->source,
-                            "validity", s->validity, "provokes", s->provokes, "threshold",
-                            threshold_of(s), "primary_error", s->primary_error, "acceptance",
-                            acceptance_of(s), "needs", needs, "params", list_params(s)));
+            list,
+            json_pack(
+                "{s:s, s:s, s:s, s:s, s:s, s:s, s:s*, s:s*, s:s*, s:s*, s:o*, s:s, s:o, s:o, s:o}",
+                "name", s->name, "title", s->title, "description", s->description, "reference",
+                s->reference, "expected", s->expected, "source", s->source, "validity", s->validity,
+                "provokes", s->provokes, "symptom", s->symptom, "threads", s->threads, "threshold",
+                threshold_of(s), "primary_error", s->primary_error, "acceptance", acceptance_of(s),
+                "needs", needs, "params", list_params(s)));
     }
     return list;
 }

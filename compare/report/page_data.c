@@ -223,6 +223,8 @@ void pl_page_data_scenario(const pl_scenario *scenario, json_t *object)
     set_text(object, "expected", scenario->expected);
     set_text(object, "validity", scenario->validity);
     set_text(object, "provokes", scenario->provokes);
+    set_text(object, "symptom", scenario->symptom);
+    set_text(object, "threads", scenario->threads);
 }
 
 /* Parameters as [name, value, meaning]; of a scene file its time step and duration. */

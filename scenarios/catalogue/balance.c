@@ -117,7 +117,7 @@ static void ladder_build(pl_builder *b, const double *values)
                  angle = PL_RADIANS_PER_DEGREE * values[LADDER_ANGLE];
     const double half_thickness = half_length * values[LADDER_THICKNESS];
     const double s = pl_sine(angle), c = pl_cosine(angle);
-    const int smooth = pl_build_material(b, "smooth", 0);
+    const int smooth = pl_build_material(b, "smooth", 0, 0);
     pl_build_floor(b);
     pl_build_plane(b, "wall", smooth, 1, 0, 0, 0);
     /* Its x axis points down the board, its z axis up from the underside. */

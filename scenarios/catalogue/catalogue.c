@@ -18,7 +18,15 @@
     DO(reaction_split) DO(spin_stop) DO(cradle) DO(dominoes) DO(falling_cubes) \
     DO(domino_into_pile) DO(domino_spiral) DO(container) DO(rubble) DO(medley) DO(top) \
     DO(slide_and_spin) DO(bounce_row) DO(dropped_load) DO(lid) DO(raft) DO(rain) \
-    DO(spinning_coin) DO(overlapping_start) DO(city) DO(avalanche) DO(seams) DO(pedestal)
+    DO(spinning_coin) DO(overlapping_start) DO(city) DO(avalanche) DO(seams) DO(pedestal) \
+    DO(drop_coefficients) DO(elastic_bounces) DO(slow_impact) DO(late_bounces) \
+    DO(no_rebound) DO(fast_slide) DO(ramp_grid) DO(stopping_distances) DO(push_directions) \
+    DO(sliding_heading) DO(seam_lanes) DO(seam_wall) DO(passing_flush) \
+    DO(alternating_stack) DO(heavy_cylinder) DO(upright_cylinder) DO(lying_battery) \
+    DO(peg_on_cube) DO(hulls_touch) DO(touching_boxes) DO(eight_balls) DO(fast_marble) \
+    DO(pool_ball) DO(long_roll) DO(tumbling_box) DO(flipping_box) DO(steady_box) \
+    DO(balls_666) DO(elastic_666) DO(kapla) DO(tip_passes) DO(tip_on_tip) DO(tip_in_gap) DO(cliff) \
+    DO(tessellated_rest) DO(tessellated_slide) DO(tessellated_roll)
 /* clang-format on */
 
 #define DECLARE(name) extern const pl_scenario pl_scenario_##name;

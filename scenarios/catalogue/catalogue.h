@@ -38,6 +38,12 @@
     .acceptance = 0.06, .acceptance_reason = "6 %: a laboratory that measures friction again "     \
                                              "gets no closer (0.06, ASTM D2534)"
 
+#define PL_ACCEPT_REPORTED                                                                         \
+    .acceptance = 0.06,                                                                            \
+    .acceptance_reason = "6 % of a motion: speeds that differ by less look the same (Snowden and " \
+                         "Braddick 1991), and of a body's size below; 1 % of its size to the "     \
+                         "side and above: an offset that can be seen; 0.06 rad of a turn"
+
 /* What all right answers of a chaotic scene have in common, and when a run is accurate. */
 #define PL_CHAOTIC_REFERENCE                                                                       \
     "no overlap at any time, no gain of energy, momentum kept, and end statistics as those of "    \

@@ -18,7 +18,7 @@ static const double round_collapse = 0.05;
 /* A floor whose friction is not that between the bodies on it, which are of material 0. */
 static void build_round_floor(pl_builder *b, double friction)
 {
-    const int material = pl_build_material(b, "floor", friction);
+    const int material = pl_build_material(b, "floor", friction, 0);
     pl_build_plane(b, "floor", material, 0, 0, 1, 0);
     pl_build_pair(b, 0, material, friction);
     b->scene->collapse_distance = round_collapse;

@@ -270,7 +270,7 @@ static void carried_balls_build(pl_builder *b, const double *values)
     check(b, &c, weight, braking, rows);
     double direction[3];
     pl_azimuth(values[CARRIED_BALLS_AZIMUTH], direction);
-    pl_build_pair(b, 0, pl_build_material(b, "ball", ball_friction), ball_friction);
+    pl_build_pair(b, 0, pl_build_material(b, "ball", ball_friction, 0), ball_friction);
     pl_build_floor(b);
     pl_body box = pl_body_at(pl_shape_box(half_width, half_width, carried_balls_half_height), 0, 0,
                              carried_balls_half_height);

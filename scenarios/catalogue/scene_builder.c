@@ -86,9 +86,9 @@ static bool ready(const pl_builder *builder)
     return builder->status == PL_OK;
 }
 
-int pl_build_material(pl_builder *builder, const char *name, double friction)
+int pl_build_material(pl_builder *builder, const char *name, double friction, double restitution)
 {
-    pl_material material = {.friction = friction};
+    pl_material material = {.friction = friction, .restitution = restitution};
     int index = 0;
     snprintf(material.name, sizeof material.name, "%s", name);
     if (ready(builder)) {
@@ -116,10 +116,15 @@ pl_body pl_body_at(pl_shape shape, double x, double y, double z)
     return body;
 }
 
-void pl_turn_about_y(pl_body *body, double angle)
+void pl_turn_about_axis(pl_body *body, int axis, double angle)
 {
     body->orientation[0] = pl_cosine(angle / 2);
-    body->orientation[2] = pl_sine(angle / 2);
+    body->orientation[1 + axis] = pl_sine(angle / 2);
+}
+
+void pl_turn_about_y(pl_body *body, double angle)
+{
+    pl_turn_about_axis(body, 1, angle);
 }
 
 void pl_build_plane(pl_builder *builder, const char *name, int material, double nx, double ny,
@@ -297,6 +302,74 @@ void pl_build_none(pl_builder *builder, int body, pl_quantity quantity, unsigned
         if ((axes >> k & 1) != 0) {
             pl_build_at_end(builder, body, quantity, axis[k], pl_exactly(0), scale);
         }
+    }
+}
+
+pl_expect_value pl_value_within(const pl_builder *builder, int body, pl_quantity quantity,
+                                const double direction[3], double value, double tolerance)
+{
+    pl_expect_value expected = pl_expect_value_default(builder->scene);
+    expected.body = body;
+    expected.quantity = quantity;
+    memcpy(expected.direction, direction, sizeof expected.direction);
+    expected.value = value;
+    expected.tolerance = tolerance;
+    expected.scale = tolerance / builder->scene->acceptance;
+    return expected;
+}
+
+void pl_build_within(pl_builder *builder, int body, pl_quantity quantity, const double direction[3],
+                     double value, double tolerance)
+{
+    const pl_expect_value expected =
+        pl_value_within(builder, body, quantity, direction, value, tolerance);
+    pl_build_value(builder, &expected);
+}
+
+void pl_build_none_within(pl_builder *builder, int body, pl_quantity quantity, unsigned axes,
+                          double tolerance)
+{
+    const double *const axis[] = {pl_axis_x, pl_axis_y, pl_axis_z};
+    for (int k = 0; k < 3; ++k) {
+        if ((axes >> k & 1) != 0) {
+            pl_build_within(builder, body, quantity, axis[k], 0, tolerance);
+        }
+    }
+}
+
+void pl_build_rest_within(pl_builder *builder, int body, double size)
+{
+    pl_build_rest(builder, body);
+    if (ready(builder)) {
+        pl_expect_rest *rest = &builder->scene->rests[builder->scene->rest_count - 1];
+        rest->tolerance = 0.01 * size;
+        rest->orientation_tolerance = 0.01;
+    }
+}
+
+void pl_build_straight(pl_builder *builder, int body, const pl_straight *path)
+{
+    const double *const n = path->up, *const d = path->along;
+    const double visible = 0.01 * path->size, sunk = 0.06 * path->size, turn = 0.06;
+    double side[3];
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        side[k] = n[i] * d[j] - n[j] * d[i];
+    }
+    pl_expect_value values[] = {
+        pl_value_within(builder, body, PL_QUANTITY_POSITION, d, path->distance,
+                        fmax(0.06 * fabs(path->distance), visible)),
+        pl_value_within(builder, body, PL_QUANTITY_POSITION, side, 0, visible),
+        pl_value_within(builder, body, PL_QUANTITY_APEX, n, 0, visible),
+        pl_value_within(builder, body, PL_QUANTITY_POSITION, n, 0, sunk),
+        pl_value_within(builder, body, PL_QUANTITY_TURN, pl_axis_x, 0, turn),
+        pl_value_within(builder, body, PL_QUANTITY_TURN, pl_axis_y, 0, turn),
+        pl_value_within(builder, body, PL_QUANTITY_TURN, pl_axis_z, 0, turn),
+    };
+    values[2].bound = PL_BOUND_AT_MOST;
+    for (size_t i = 0; i < sizeof values / sizeof *values; ++i) {
+        values[i].until = path->until;
+        pl_build_value(builder, &values[i]);
     }
 }
 

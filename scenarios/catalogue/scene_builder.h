@@ -21,8 +21,8 @@ struct pl_builder {
 
 /* ---- Materials and bodies ---- */
 
-/* Adds a material without restitution and returns its index; 0 after a failure. */
-int pl_build_material(pl_builder *builder, const char *name, double friction);
+/* Adds a material and returns its index; 0 after a failure. */
+int pl_build_material(pl_builder *builder, const char *name, double friction, double restitution);
 
 /* Sets the friction between two materials, in place of the geometric mean of theirs. */
 void pl_build_pair(pl_builder *builder, int material_a, int material_b, double friction);
@@ -40,6 +40,9 @@ pl_body pl_body_at(pl_shape shape, double x, double y, double z);
 /* Turns an unturned body by `angle`, 0 to 1.6 rad, about y: its x axis dips, its z axis leans to
  * x. */
 void pl_turn_about_y(pl_body *body, double angle);
+
+/* Turns an unturned body by `angle`, 0 to 1.6 rad, about the world's axis number `axis`. */
+void pl_turn_about_axis(pl_body *body, int axis, double angle);
 
 /* Adds `body`, named as printf does, and returns its index; -1 after a failure. */
 #if defined(__GNUC__)
@@ -120,6 +123,37 @@ void pl_build_displaced(pl_builder *builder, int body, const double direction[3]
 void pl_build_none(pl_builder *builder, int body, pl_quantity quantity, unsigned axes,
                    double scale);
 enum { PL_ALONG_X = 1, PL_ALONG_Y = 2, PL_ALONG_Z = 4, PL_ALONG_ALL = 7 };
+
+/* Returns an expected value at the end of the run, for pl_build_value: `quantity` of the body along
+ * `direction` is `value` within `tolerance`, in the quantity's unit. Its scale is such that the
+ * tolerance is an error of the scene's acceptance. */
+pl_expect_value pl_value_within(const pl_builder *builder, int body, pl_quantity quantity,
+                                const double direction[3], double value, double tolerance);
+
+/* Adds that value. */
+void pl_build_within(pl_builder *builder, int body, pl_quantity quantity, const double direction[3],
+                     double value, double tolerance);
+
+/* Expects `quantity` to be 0 within `tolerance` along each of the world's axes in `axes`, at the end. */
+void pl_build_none_within(pl_builder *builder, int body, pl_quantity quantity, unsigned axes,
+                          double tolerance);
+
+/* Expects a body to rest where it starts, within 1 % of its `size`, m, and 0.01 rad. */
+void pl_build_rest_within(pl_builder *builder, int body, double size);
+
+/* A straight path over a flat surface, without lift and without turning. */
+typedef struct pl_straight {
+    const double *along; /* unit, world: the direction of the path */
+    const double *up;    /* unit, world: the normal of the surface */
+    double distance;     /* m, from the start to the place at `until` */
+    double until;        /* s */
+    double size;         /* m, of the body: what the distances aside and above are measured by */
+} pl_straight;
+
+/* Expects a body to follow the path: its distance within 6 % or 1 % of its size, its distance to the
+ * side and its largest height over the start within 1 % of its size, its height at `until` within 6 %
+ * of its size, its turn within 0.06 rad. */
+void pl_build_straight(pl_builder *builder, int body, const pl_straight *path);
 
 /* Expects exactly this end value of a statistic. The error is divided by `scale`. */
 void pl_build_statistic(pl_builder *builder, pl_statistic metric, double value, double scale);

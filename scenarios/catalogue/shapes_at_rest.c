@@ -119,19 +119,20 @@ const pl_scenario pl_scenario_rest_shape = {
     PL_PARAMS(rest_shape_params),
     .build = rest_shape_build};
 
-/* A ring that hangs in another, as links of a chain.
+/* Rings that hang in each other, as links of a chain.
  *
  * Both are tori of straight pieces. The upper one stands still in the plane y = 0; the lower one,
  * in the plane x = 0, hangs from it: the middle of the innermost flat side of one lies on that of
  * the other, at a hole's radius below the upper and above the lower centre. Each side holds the
  * other like a saddle. */
 
-enum { LINKED_RINGS_DROP, LINKED_RINGS_FRICTION };
+enum { LINKED_RINGS_DROP, LINKED_RINGS_COUNT, LINKED_RINGS_FRICTION };
 
 static const double linked_rings_ring_radius = 0.5, linked_rings_tube_radius = 0.15; /* m */
 
 static const pl_param linked_rings_params[] = {
-    {"drop", 0, 0, 0.3, false, "m", "height from which the lower ring falls into the upper one"},
+    {"drop", 0, 0, 0.3, false, "m", "height from which the lowest ring falls into the one above"},
+    {"rings", 1, 1, 50, true, "1", "rings that hang, each from the one above"},
     PL_PARAM_FRICTION,
     PL_PARAM_TIME(10),
 };
@@ -146,13 +147,18 @@ static void linked_rings_build(pl_builder *b, const double *values)
     pl_build_body(b, &ring, "upper ring");
 
     ring.is_static = false;
-    ring.orientation[1] = 0;
-    ring.orientation[2] = sqrt(0.5); /* its axis along x */
-    ring.position[2] =
-        -2 * pl_torus_hole(linked_rings_ring_radius, linked_rings_tube_radius, AROUND, SIDES);
-    const int lower = pl_build_body(b, &ring, "lower ring");
-    pl_build_rest(b, lower);
-    pl_build_start_off(b, lower, 2, values[LINKED_RINGS_DROP]);
+    const double hole =
+        pl_torus_hole(linked_rings_ring_radius, linked_rings_tube_radius, AROUND, SIDES);
+    const int count = (int)values[LINKED_RINGS_COUNT];
+    for (int i = 1; i <= count; ++i) {
+        ring.orientation[1] = i % 2 == 0 ? sqrt(0.5) : 0;
+        ring.orientation[2] = i % 2 == 0 ? 0 : sqrt(0.5); /* its axis along x */
+        ring.position[2] = -2 * i * hole;
+        const int lower = i == 1 ? pl_build_body(b, &ring, "lower ring")
+                                 : pl_build_body(b, &ring, "lower ring %d", i);
+        pl_build_rest(b, lower);
+        pl_build_start_off(b, lower, 2, i == count ? values[LINKED_RINGS_DROP] : 0);
+    }
     b->scene->collapse_distance = linked_rings_ring_radius;
 }
 
@@ -162,8 +168,8 @@ const pl_scenario pl_scenario_linked_rings = {
     .description =
         "Two tori of triangles, linked: neither is convex, and where they touch both are "
         "hollow. Whether one hangs in the other without passing through.",
-    .reference = "the lower centre hangs two inner radii below the upper one",
-    .expected = "ok: the lower ring hangs in the upper one, at rest",
+    .reference = "each centre hangs two inner radii below the one above",
+    .expected = "ok: each ring hangs in the one above, at rest",
     .source = "by symmetry",
     .primary_error = "rest_position_error",
     PL_ACCEPT_AT_REST,

@@ -180,25 +180,112 @@ pl_solid pl_solid_prism(int sides, double radius, double half_height)
     return s;
 }
 
+/* The sides of a prism along y, from `front` to `back`, on a polygon of `count` corners (x, z), which is
+ * counter-clockwise seen along y. Corner i has the vertices 2 i in front and 2 i + 1 behind. */
+static void put_sides(pl_solid *s, const double (*corner)[2], int count, double front, double back)
+{
+    for (int i = 0; i < count; ++i) {
+        put_vertex(s, corner[i][0], front, corner[i][1]);
+        put_vertex(s, corner[i][0], back, corner[i][1]);
+    }
+    for (int i = 0; i < count; ++i) {
+        int next = (i + 1) % count;
+        put_quad(s, 2 * i, 2 * i + 1, 2 * next + 1, 2 * next);
+    }
+}
+
 pl_solid pl_solid_angle(double length, double thickness, double width)
 {
     const double l = length, t = thickness;
     const double corner[6][2] = {{0, 0}, {l, 0}, {l, t}, {t, t}, {t, l}, {0, l}}; /* x, z */
     pl_solid s;
     if (take(&s, 12, 20)) {
-        for (int i = 0; i < 6; ++i) {
-            put_vertex(&s, corner[i][0], 0, corner[i][1]);
-            put_vertex(&s, corner[i][0], width, corner[i][1]);
-        }
-        for (int i = 0; i < 6; ++i) {
-            int next = (i + 1) % 6;
-            put_quad(&s, 2 * i, 2 * i + 1, 2 * next + 1, 2 * next);
-        }
+        put_sides(&s, corner, 6, 0, width);
         /* Each end as two quads that share the diagonal of the corner. */
         put_quad(&s, 0, 2, 4, 6);
         put_quad(&s, 0, 6, 8, 10);
         put_quad(&s, 1, 7, 5, 3);
         put_quad(&s, 1, 11, 9, 7);
+    }
+    return s;
+}
+
+pl_solid pl_solid_crack(double half, double half_width, double depth)
+{
+    const double w = half_width, bottom = -depth, end = -0.9 * depth;
+    const double corner[8][2] = {{-half, bottom}, {half, bottom}, {half, 0}, {w, 0},
+                                 {w, end},        {-w, end},      {-w, 0},   {-half, 0}}; /* x, z */
+    static const int parts[3][4] = {{0, 5, 6, 7}, {0, 1, 4, 5}, {1, 2, 3, 4}}; /* of an end */
+    pl_solid s;
+    if (take(&s, 16, 28)) {
+        put_sides(&s, corner, 8, -half, half);
+        for (int i = 0; i < 3; ++i) {
+            const int *p = parts[i];
+            put_quad(&s, 2 * p[0], 2 * p[1], 2 * p[2], 2 * p[3]);
+            put_quad(&s, 2 * p[3] + 1, 2 * p[2] + 1, 2 * p[1] + 1, 2 * p[0] + 1);
+        }
+    }
+    return s;
+}
+
+pl_solid pl_solid_hole(double half, double half_width, double depth)
+{
+    enum { OUTER = 0, INNER = 8, TOP = 4 };
+    static const double corner[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    pl_solid s;
+    if (take(&s, 16, 32)) {
+        for (int ring = 0; ring < 4; ++ring) {
+            const double reach = ring < 2 ? half : half_width, z = ring % 2 == 0 ? -depth : 0;
+            for (int i = 0; i < 4; ++i) {
+                put_vertex(&s, reach * corner[i][0], reach * corner[i][1], z);
+            }
+        }
+        for (int i = 0; i < 4; ++i) {
+            const int next = (i + 1) % 4;
+            put_quad(&s, OUTER + TOP + i, OUTER + TOP + next, INNER + TOP + next, INNER + TOP + i);
+            put_quad(&s, OUTER + next, OUTER + i, INNER + i, INNER + next);
+            put_quad(&s, OUTER + i, OUTER + next, OUTER + TOP + next, OUTER + TOP + i);
+            put_quad(&s, INNER + next, INNER + i, INNER + TOP + i, INNER + TOP + next);
+        }
+    }
+    return s;
+}
+
+/* The faces of a grid of n by n quads, whose vertices begin at `first`, row by row; seen from above they
+ * are counter-clockwise where `is_top`. */
+static void put_grid(pl_solid *s, int first, int n, bool is_top)
+{
+    for (int row = 0; row < n; ++row) {
+        for (int i = 0; i < n; ++i) {
+            const int a = first + row * (n + 1) + i, d = a + n + 1;
+            if (is_top) {
+                put_quad(s, a, a + 1, d + 1, d);
+            } else {
+                put_quad(s, a, d, d + 1, a + 1);
+            }
+        }
+    }
+}
+
+pl_solid pl_solid_slab(double half_x, double half_y, double half_z, int n)
+{
+    const int row = n + 1, layer = row * row;
+    pl_solid s;
+    if (take(&s, 2 * layer, 4 * n * n + 8 * n)) {
+        for (int i = 0; i < 2 * layer; ++i) {
+            const int x = i % row, y = i % layer / row;
+            put_vertex(&s, half_x * (2.0 * x / n - 1), half_y * (2.0 * y / n - 1),
+                       i < layer ? -half_z : half_z);
+        }
+        put_grid(&s, 0, n, false);
+        put_grid(&s, layer, n, true);
+        for (int i = 0; i < n; ++i) {
+            const int left = i * row, right = left + n, back = n * row + i;
+            put_quad(&s, i, i + 1, layer + i + 1, layer + i);
+            put_quad(&s, back + 1, back, layer + back, layer + back + 1);
+            put_quad(&s, left + row, left, layer + left, layer + left + row);
+            put_quad(&s, right, right + row, layer + right + row, layer + right);
+        }
     }
     return s;
 }

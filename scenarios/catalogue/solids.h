@@ -30,6 +30,16 @@ pl_solid pl_solid_prism(int sides, double radius, double half_height);
  * from 0 to `width` in y. */
 pl_solid pl_solid_angle(double length, double thickness, double width);
 
+/* A block with its top at z = 0, from -half to half in x and y and `depth` deep, and a crack along y in
+ * its middle, from -half_width to half_width and 0.9 of the depth. */
+pl_solid pl_solid_crack(double half, double half_width, double depth);
+
+/* The same block with a square hole through it, from -half_width to half_width in x and y. */
+pl_solid pl_solid_hole(double half, double half_width, double depth);
+
+/* A box about the origin, along the axes, whose top and bottom are grids of n by n quads. */
+pl_solid pl_solid_slab(double half_x, double half_y, double half_z, int n);
+
 /* A torus about the origin, its axis along z: a ring of radius R made of `around` straight pieces
  * of a tube, each a prism with `sides` sides and corners at radius r. A flat side of a piece looks
  * along x; with `sides` a multiple of 4, others look up and down, and inwards. */

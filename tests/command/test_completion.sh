@@ -35,7 +35,7 @@ scenarios=$("$PLUMB" list scenarios --json | sed -nE 's/^  "name": "(.*)",$/\1/p
 for name in compare run scene threshold; do
     same "scenarios after $name" "$(candidates "$name" '')" "$scenarios"
 done
-same 'scene to' "$(candidates scene to)" $'top\ntorque-free\ntower'
+same 'scene to' "$(candidates scene to)" $'top\ntorque-free\ntouching-boxes\ntower'
 same 'a second scenario' "$(candidates compare tower --dt 1/60 tow)" tower
 [[ -z $(candidates scene tower '') ]] || note_failure 'scene takes a second scenario'
 same 'suites' "$(candidates compare --suite '')" \

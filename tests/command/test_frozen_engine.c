@@ -11,9 +11,16 @@
 
 enum { MOST_WORDS = 128 };
 
-/* Whether every expectation is a rest at the start, so that a frozen body is right. */
+/* Whether every expectation is a rest at the start, or the largest speed of a body that rests, so that a
+ * frozen body is right. */
 static bool expects_no_motion(const pl_scene *scene)
 {
+    for (int i = 0; i < scene->value_count; ++i) {
+        const pl_expect_value *value = &scene->values[i];
+        if (value->quantity != PL_QUANTITY_TOP_SPEED || value->bound != PL_BOUND_AT_MOST) {
+            return false;
+        }
+    }
     for (int i = 0; i < scene->rest_count; ++i) {
         const pl_expect_rest *rest = &scene->rests[i];
         const pl_body *body = &scene->bodies[rest->body];
@@ -22,7 +29,7 @@ static bool expects_no_motion(const pl_scene *scene)
             return false;
         }
     }
-    return scene->rest_count > 0 && scene->travel_count == 0 && scene->value_count == 0 &&
+    return scene->rest_count > 0 && scene->travel_count == 0 &&
            strcmp(scene->primary_error, "rest_position_error") == 0;
 }
 

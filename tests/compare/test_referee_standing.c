@@ -109,6 +109,31 @@ static void test_small_error_is_noted_beyond_acceptance(void **state)
     }
 }
 
+/* Nothing must stand in a scene without a distance of collapse. A body that has fallen off does not
+ * stand all the same. */
+static void test_body_that_fell_off_does_not_stand(void **state)
+{
+    (void)state;
+    const double down[] = {0.3, 5};
+    for (int i = 0; i < 2; ++i) {
+        run r;
+        run_prepare(&r, 1);
+        run_add_body(&r, "table", pl_shape_box(1, 1, 0.5), true, 0, -0.5);
+        run_add_body(&r, "cube", pl_shape_box(0.5, 0.5, 0.5), false, 0, 0.5);
+        run_expect_rest(&r, 1);
+        (void)snprintf(r.scene.primary_error, sizeof r.scene.primary_error, "rest_position_error");
+        r.scene.collapse_distance = (double)INFINITY;
+        r.scene.acceptance = 0.01;
+        run_begin(&r);
+        r.state[1].position[2] -= down[i];
+        run_step_many(&r, 64);
+        assert_int_equal(run_finish(&r), PL_ENDING_OK);
+        assert_contains(r.note.text, i == 0 ? "stands, but is squashed: body \"cube\" ended 0.3 m"
+                                            : "has left its place: body \"cube\" ended 5 m away");
+        run_end(&r);
+    }
+}
+
 /* A turn of the whole world with everything in it moves no body against its support. */
 static void test_cube_that_turns_with_its_support_stands(void **state)
 {
@@ -231,6 +256,7 @@ int main(void)
         cmocka_unit_test(test_whole_tower_that_slid_has_collapsed),
         cmocka_unit_test(test_tower_that_still_falls_has_collapsed),
         cmocka_unit_test(test_small_error_is_noted_beyond_acceptance),
+        cmocka_unit_test(test_body_that_fell_off_does_not_stand),
         cmocka_unit_test(test_cube_that_turns_with_its_support_stands),
         cmocka_unit_test(test_jump_beyond_speed_and_gravity_is_unexplained),
         cmocka_unit_test(test_push_out_of_an_overlap_is_explained),

@@ -1,8 +1,10 @@
 /* Verdicts against a converged reference, from paths that the test makes. */
+#include "adapters/built_in.h"
 #include "check.h"
 #include "studies/reference/reference_verdict.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { SAMPLES = 11 };
@@ -59,11 +61,13 @@ static void test_a_body_that_comes_back_has_strayed(void **state)
     assert_close(verdict.off[0], 0.1, 0, 0);
 }
 
-/* Three engines whose body ends at these places, m, along x. */
-static bool contradicted(const char *const families[3], const double ends[3])
+/* Three engines whose body ends at these places, m, along x; `second` is the number of the engine that
+ * confirms the reference at smaller steps, 0: none does. */
+static bool contradicted_beside(int second, const char *const families[3], const double ends[3])
 {
     staged s;
     stage(&s);
+    s.reference.second = second;
     pl_body_verdict bodies[3];
     pl_engine_verdict engines[3] = {{0}};
     for (int i = 0; i < 3; ++i) {
@@ -72,11 +76,25 @@ static bool contradicted(const char *const families[3], const double ends[3])
                                       .differs_from = fabs(ends[i]) > 0.01 ? 0.5 : (double)NAN};
         engines[i].bodies = &bodies[i];
         engines[i].completed = true;
-        strcpy(engines[i].family, families[i]);
+        snprintf(engines[i].family, sizeof engines[i].family, "%s", families[i]);
     }
     const pl_reference_verdict verdict = {
         .reference = &s.reference, .engines = engines, .engine_count = 3};
     return pl_reference_is_contradicted(&verdict, 0, NULL, NULL);
+}
+
+static bool contradicted(const char *const families[3], const double ends[3])
+{
+    return contradicted_beside(0, families, ends);
+}
+
+/* Engines at the scene's own step share the error of that step, or fall in the same way. */
+static void test_a_confirmed_reference_is_not_contradicted(void **state)
+{
+    (void)state;
+    const char *const other[3] = {"plumb", "ode", "bullet"};
+    assert_true(contradicted_beside(0, other, (double[3]){0, 1, 1}));
+    assert_false(contradicted_beside(1, other, (double[3]){0, 1, 1}));
 }
 
 static void test_two_other_families_contradict_the_reference(void **state)
@@ -94,11 +112,37 @@ static void test_two_other_families_contradict_the_reference(void **state)
     assert_false(contradicted(own, (double[3]){0, 12, 12}));
 }
 
+static void assert_same_family(const char *one, const char *other, bool expected)
+{
+    char families[2][PL_FAMILY_SIZE];
+    pl_engine_family(one, families[0]);
+    pl_engine_family(other, families[1]);
+    if ((strcmp(families[0], families[1]) == 0) != expected) {
+        fail_msg("%s is of %s, %s of %s", one, families[0], other, families[1]);
+    }
+}
+
+/* Of each other engine the name is all that is known: two builds of one are called alike. */
+static void test_engines_that_share_code_are_one_family(void **state)
+{
+    (void)state;
+    assert_same_family("mujoco", "mujoco3", true);
+    assert_same_family("rapier", "rapier-deterministic", true);
+    assert_same_family("ode", "dart", true);
+    assert_same_family("mine", "mine-2", true);
+    assert_same_family("ode", "bullet", false);
+    assert_same_family("plumb", "bullet", false);
+    assert_same_family("jolt", "physx", false);
+    assert_same_family("mine", "jolt", false);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_body_that_comes_back_has_strayed),
+        cmocka_unit_test(test_a_confirmed_reference_is_not_contradicted),
         cmocka_unit_test(test_two_other_families_contradict_the_reference),
+        cmocka_unit_test(test_engines_that_share_code_are_one_family),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -367,10 +367,15 @@ static void test_braked_distance_is_the_speed_integral(void **state)
 }
 
 /* The sum of d d' over the directions d of a body's expected places has the determinant 1 if they
- * are three axes at right angles. */
+ * are three axes at right angles. A place of rest counts as three axes. */
 static double covered(const pl_scene *scene, int body)
 {
     double m[3][3] = {{0}};
+    for (int i = 0; i < scene->rest_count; ++i) {
+        for (int k = 0; k < 3 && scene->rests[i].body == body; ++k) {
+            m[k][k] += 1;
+        }
+    }
     for (int i = 0; i < scene->value_count; ++i) {
         const pl_expect_value *v = &scene->values[i];
         const bool is_place =
@@ -384,7 +389,8 @@ static double covered(const pl_scene *scene, int body)
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/* So that no engine may let a body drift where the reference does not look. How far a rocking block
+/* So that no engine may let a body drift where the reference does not look. A bound leaves the place
+ * open. How far a rocking block
  * has come along x at the end has no closed form. */
 static void test_places_are_expected_in_all_directions(void **state)
 {
@@ -396,6 +402,7 @@ static void test_places_are_expected_in_all_directions(void **state)
         for (int k = 0; k < scene.value_count; ++k) {
             const pl_quantity quantity = scene.values[k].quantity;
             if ((quantity == PL_QUANTITY_POSITION || quantity == PL_QUANTITY_APEX) &&
+                scene.values[k].bound == PL_BOUND_EQUAL &&
                 strcmp(scene.name, "rocking-block") != 0) {
                 assert_true(covered(&scene, scene.values[k].body) > 0.99);
                 judged += 1;

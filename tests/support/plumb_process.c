@@ -135,10 +135,11 @@ static void redirect(const char *directory, const char *name, int descriptor)
 
 pid_t start_plumb(const char *directory, const char *const *arguments)
 {
-    char *call[64] = {(char[]){"plumb"}};
+    enum { MOST_WORDS = 256 };
+    char *call[MOST_WORDS] = {(char[]){"plumb"}};
     int count = 1;
     for (; arguments[count - 1] != NULL; ++count) {
-        assert_true(count < 63);
+        assert_true(count < MOST_WORDS - 1);
         call[count] = strdup(arguments[count - 1]);
         assert_non_null(call[count]);
     }

@@ -117,7 +117,8 @@ static double visible(const pl_scene *scene)
     return judged ? fmin(scene->acceptance, scene->collapse_distance) : scene->collapse_distance;
 }
 
-/* Says how `body` has moved by `distance`, m. */
+/* Says how `body` has moved by `distance`, m. A body that has moved by more than its size against its
+ * support does not stand on it. */
 static void describe(const pl_standing *s, int body, double distance, pl_note *note)
 {
     const pl_vec gravity = pl_vec_of(s->scene->gravity);
@@ -126,6 +127,12 @@ static void describe(const pl_standing *s, int body, double distance, pl_note *n
         pl_vec_sub(pl_vec_of(s->last[body].position), pl_vec_of(s->rest[body].position));
     const double sunk = g > 0 ? pl_vec_dot(moved, gravity) / g : 0;
     const char *how = "has moved", *where = "away";
+    const char *name = s->scene->bodies[body].name;
+    if (s->shift[body] > 2 * pl_bounding_radius(&s->scene->bodies[body].shape)) {
+        snprintf(note->text, sizeof note->text,
+                 "has left its place: body \"%.100s\" ended %.3g m away", name, distance);
+        return;
+    }
     if (fabs(sunk) > 0.7 * distance) {
         how = sunk > 0 ? "is squashed" : "is lifted";
         where = sunk > 0 ? "too low" : "too high";
@@ -134,7 +141,7 @@ static void describe(const pl_standing *s, int body, double distance, pl_note *n
         where = "aside";
     }
     snprintf(note->text, sizeof note->text, "stands, but %s: body \"%.100s\" ended %.3g m %s", how,
-             s->scene->bodies[body].name, distance, where);
+             name, distance, where);
 }
 
 pl_ending pl_standing_judge(pl_standing *s, pl_candidate_pairs *pairs, const pl_body_state *last,

@@ -20,6 +20,7 @@ export function catalogue({ scenarios }, whenNear) {
     const place = h('div', { style: 'min-height:290px' });
     const part = section(s.name, `${s.name}: ${s.title}`, place, p(s.description),
       facts([['Right answer', h('span', { class: 'formula' }, s.reference)], ['Source', s.source], ['Expected', s.expected], ['Valid', s.validity], ['Provokes', s.provokes],
+        ['Users reported', s.symptom && `${s.symptom} (${s.threads})`],
         ['Threshold', s.threshold && `holds ${s.threshold.holds_below ? 'below' : 'above'} a critical ${s.threshold.param}: ${s.threshold.formula}`],
         ['Judged by', s.judged_by && [h('code', {}, s.judged_by.metric), `: ${s.judged_by.definition}`]],
         ['Accurate', s.judged_by && `up to ${digits(s.judged_by.bound)}${unit(s.judged_by.unit)}: ${s.judged_by.reason}`], ['Needs', s.needs.join(', ')], ['Suites', s.suites.join(', ')]]),

@@ -97,7 +97,7 @@ function fill(body, report, test, styles) {
     said ? h('ul', {}, said.sentences.map((s) => h('li', {}, `${s}.`))) : null,
     p(test.description ?? 'A scene that is not in the catalogue.'),
     facts([['Right answer', test.reference && h('span', { class: 'formula' }, test.reference)], ['Source', test.source], ['Expected', test.expected],
-      ['Accurate', test.bound_text && [h('code', {}, test.primary_error), ` of at most ${test.bound_text}`, test.bound_reason ? `: ${test.bound_reason}` : '']], ['Valid', test.validity], ['Provokes', test.provokes]]),
+      ['Accurate', test.bound_text && [h('code', {}, test.primary_error), ` of at most ${test.bound_text}`, test.bound_reason ? `: ${test.bound_reason}` : '']], ['Valid', test.validity], ['Provokes', test.provokes], ['Users reported', test.symptom && `${test.symptom} (${test.threads})`]]),
     engineTable(report, test, runs), chips(runs.map((r) => r.name), styles)]);
   const errors = errorPlot(test, runs, styles);
   if (errors) plots.append(errors);

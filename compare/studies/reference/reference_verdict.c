@@ -1,6 +1,5 @@
 #include "reference_verdict.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,22 +43,11 @@ pl_body_verdict pl_body_judge(const pl_reference *reference, const pl_body_paths
         verdict.stray = 0;
         verdict.strays_at = (double)NAN;
     }
-    for (int k = 0; k < 3 && judged > 0; ++k) {
+    for (int k = 0; k < 3 && judged > 0 && paths->moved != NULL; ++k) {
         const size_t at = ((size_t)(judged - 1) * (size_t)own->bodies + (size_t)body) * 3;
         verdict.off[k] = paths->moved[at + (size_t)k] - own->moved[at + (size_t)k];
     }
     return verdict;
-}
-
-/* Copies the letters that a name begins with. */
-static void copy_family(const char *name, char family[16])
-{
-    size_t length = 0;
-    while (length < 15 && isalpha((unsigned char)name[length])) {
-        family[length] = name[length];
-        ++length;
-    }
-    family[length] = '\0';
 }
 
 static bool is_unsupported(const json_t *results, const char *run)
@@ -83,7 +71,7 @@ static pl_status judge_engine(const pl_plan *plan, const pl_planned_run *planned
 {
     pl_body_paths paths = {.samples = 0};
     verdict->label = planned->configuration->label;
-    copy_family(planned->configuration->choice.engine->name, verdict->family);
+    pl_engine_family(planned->configuration->choice.engine->name, verdict->family);
     pl_status status = pl_planned_run_hash(plan, planned, verdict->run, error);
     if (status == PL_OK) {
         status = pl_body_paths_read(folder, verdict->run, &planned->test_case->scene,
@@ -151,8 +139,8 @@ static const char *body_name(const pl_reference_verdict *v, int body)
 static bool is_other(const pl_reference_verdict *v, int engine, int body)
 {
     const pl_engine_verdict *e = &v->engines[engine];
-    char own[16];
-    copy_family(pl_reference_engine, own);
+    char own[PL_FAMILY_SIZE];
+    pl_engine_family(pl_reference_engine, own);
     return e->bodies != NULL && e->completed && !isnan(e->bodies[body].differs_from) &&
            strcmp(e->family, own) != 0;
 }
@@ -163,9 +151,15 @@ static double apart(const pl_body_verdict *a, const pl_body_verdict *b)
     return hypot(hypot(a->off[0] - b->off[0], a->off[1] - b->off[1]), a->off[2] - b->off[2]);
 }
 
+/* Whether an engine of another family converges to the same answer. */
+static bool is_confirmed(const pl_reference *reference)
+{
+    return reference->second > 0 && reference->disputed == 0 && reference->unconfirmed == 0;
+}
+
 bool pl_reference_is_contradicted(const pl_reference_verdict *v, int body, int *one, int *other)
 {
-    for (int i = 0; i < v->engine_count; ++i) {
+    for (int i = 0; i < v->engine_count && !is_confirmed(v->reference); ++i) {
         for (int j = i + 1; j < v->engine_count && is_other(v, i, body); ++j) {
             if (!is_other(v, j, body) || strcmp(v->engines[i].family, v->engines[j].family) == 0) {
                 continue;
@@ -216,10 +210,6 @@ static pl_status say_contradiction(const pl_reference_verdict *v, json_t *senten
                    reference->dt / (1 << (reference->engines[0].count - 1)));
     if (count > 1) {
         pl_text_format(&text, "; so it is with %d bodies in all", count);
-    }
-    if (reference->second > 0 && reference->disputed == 0 && reference->unconfirmed == 0) {
-        pl_text_format(&text, "; %s confirms it to within %.2g m",
-                       reference->engines[reference->second].label, reference->confirmed);
     }
     pl_text_add(&text, ". The reference may be wrong: it has no error estimate, and no engine is "
                        "judged by it");

@@ -3,6 +3,7 @@
 #ifndef PLUMB_REFERENCE_VERDICT_H
 #define PLUMB_REFERENCE_VERDICT_H
 
+#include "adapters/built_in.h"
 #include "base/text_buffer.h"
 #include "converged_reference.h"
 
@@ -24,14 +25,14 @@ typedef struct pl_body_verdict {
 
 /* One engine configuration against the reference. */
 typedef struct pl_engine_verdict {
-    const char *label;       /* borrowed */
-    char run[17];            /* of its result */
-    bool completed;          /* its path has the last sample */
-    pl_body_verdict *bodies; /* (bodies); NULL: it left no path */
-    int differing;           /* bodies that differ */
-    int straying;            /* bodies that are beyond the bound for a while */
-    bool is_unsupported;     /* the engine does not support the scene */
-    char family[16];         /* of engines that share code: the letters that its name begins with */
+    const char *label;           /* borrowed */
+    char run[17];                /* of its result */
+    bool completed;              /* its path has the last sample */
+    pl_body_verdict *bodies;     /* (bodies); NULL: it left no path */
+    int differing;               /* bodies that differ */
+    int straying;                /* bodies that are beyond the bound for a while */
+    bool is_unsupported;         /* the engine does not support the scene */
+    char family[PL_FAMILY_SIZE]; /* of engines that share code */
 } pl_engine_verdict;
 
 /* All configurations of a plan against the reference of one of its cases. */
@@ -56,8 +57,10 @@ pl_status pl_reference_judge(const pl_plan *plan, const pl_case *test_case, cons
 void pl_reference_verdict_free(pl_reference_verdict *verdict);
 
 /* Whether engines of two other families than that of the reference differ from it in the body and agree
- * with each other: within the bound of the body, or a tenth of their distance from the reference. Then
- * the reference may be wrong. *one and *other (NULL allowed): such engines. */
+ * with each other: within the bound of the body, or a tenth of their distance from the reference. Then a
+ * reference that no second engine confirms may be wrong. At the scene's own step engines can share an error
+ * of that step, so that a confirmed reference is not contradicted. *one and *other (NULL allowed): such
+ * engines. */
 bool pl_reference_is_contradicted(const pl_reference_verdict *verdict, int body, int *one,
                                   int *other);
 

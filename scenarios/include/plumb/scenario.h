@@ -61,6 +61,10 @@ typedef struct pl_scenario {
     const char *validity;          /* where the reference holds; NULL: for all parameters */
     const char *provokes; /* of a hard case: the failure that it provokes, and what a right engine
                              does; NULL: not one of them */
+    /* The symptom that users of engines reported of such a scene, in one sentence. It is NULL for a
+     * scenario that does not come from a report. */
+    const char *symptom;
+    const char *threads; /* where they reported it, "OWNER/REPOSITORY#NUMBER, ..."; NULL as above */
     const pl_threshold *threshold; /* NULL: none */
     /* Every scenario has, in addition to its own, the parameters "dt" and "duration" (s): its
      * reference may depend on them, and the command's --dt and --duration set them. */
