@@ -26,7 +26,7 @@ function threshold(study) {
         Plot.ruleY(found.filter((r) => r.bracket?.[0] !== null), { y: 'label', x1: (r) => r.bracket[0], x2: (r) => r.bracket[1], stroke: (r) => styles.get(r.label).colour, strokeWidth: 5, strokeOpacity: 0.5 }),
         Plot.dot(found.filter((r) => r.value !== null), { x: 'value', y: 'label', fill: (r) => styles.get(r.label).colour, r: 5 })] }) : null;
     return section(`threshold-${i}`, `${first.scenario}: ${first.param}`, drawn,
-      facts([['Closed form', first.formula && `${first.formula} = ${digits(first.closed_form, 6)}`], ['Holds', first.holds_below ? 'below the critical value' : 'above the critical value'], ['Tolerance', digits(first.tolerance)]]),
+      facts([['Closed form', first.formula && `${first.formula} = ${digits(first.closed_form, 6)}`], ['Holds', first.holds_below === null ? null : first.holds_below ? 'below the critical value' : 'above the critical value'], ['Tolerance', digits(first.tolerance)]]),
       table({ caption: 'Critical values', columns: [{ name: 'engine' }, { name: 'finding' }, { name: 'critical value', right: true }, { name: 'bracket', right: true }, { name: 'closed form', right: true }, { name: 'error', right: true }, { name: 'relative', right: true }, { name: 'runs', right: true }, { name: 'reason', wide: true }],
         rows: found.map((r) => [r.label, r.finding, { text: digits(r.value, 6), value: r.value }, r.bracket?.[0] === null ? '–' : `${digits(r.bracket[0], 6)} to ${digits(r.bracket[1], 6)}`, cell(r.closed_form), cell(r.error), cell(r.relative_error), r.runs, r.reason ?? '']) }));
   });
