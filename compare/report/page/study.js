@@ -59,7 +59,7 @@ const grades = { bitwise: 'd0', exact: 'd1', close: 'd2', differs: 'd4', failed:
 function metamorphic(study) {
   const trials = Array.isArray(study) ? study : study.trials ?? [study], checks = [...new Set(trials.flatMap((t) => t.checks.map((c) => c.check)))];
   const rows = trials.map((t) => [`${t.scenario} · ${t.label}`, ...checks.map((name) => { const c = t.checks.find((x) => x.check === name); return c ? { text: c.verdict, style: grades[c.verdict] ?? 'none', title: [c.reason, `position ${digits(c.end?.position)}, rotation ${digits(c.end?.rotation)}`].filter(Boolean).join('\n') } : '–'; })]);
-  return { title: 'Plumb: metamorphic checks', lead: 'the same scene moved, turned, mirrored or scaled must give the same motion', parts: [
+  return { title: 'Plumb: metamorphic checks', lead: 'the same scene moved, turned, mirrored, scaled or built of other solids must give the same motion', parts: [
     section('checks', 'Checks', table({ caption: 'Verdict of each check; a title has the difference', columns: [{ name: 'scenario and engine' }, ...checks.map((name) => ({ name }))], rows, style: 'matrix' })),
     section('differences', 'Differences', plain('Early in the run and at its end', trials.flatMap((t) => t.checks.map((c) => ({ scenario: t.scenario, engine: t.label, check: c.check, verdict: c.verdict, early_position: c.early?.position ?? null, end_position: c.end?.position ?? null, early_rotation: c.early?.rotation ?? null, end_rotation: c.end?.rotation ?? null, reason: c.reason ?? '' })))))] };
 }
