@@ -141,7 +141,8 @@ static bool is_judged(const void *object)
 
 static const pl_field scene_fields[] = {
     {"plumb_scene", PL_FIELD_VERSION, .line = 1, ALWAYS,
-     .about = "version of this format: 1, or 2 where an expectation has a tolerance, a bound, a "
+     .about = "version of this format: 1, or 2 where there are parameters, or an expectation has a "
+              "tolerance, a bound, a "
               "number, or a quantity without direction; both are read alike"},
     {"name", PL_FIELD_NAME, offsetof(pl_scene, name), .line = 2, .omit_default = true,
      .about = "for reports"},
