@@ -144,7 +144,7 @@ static bool substitute_shape(names *n, json_t *json)
     return true;
 }
 
-/* The items of an array or an object of items, each of which is a shape or an object of `kind`. */
+/* Substitutes in the items of an array, or of an object. They are shapes or objects of `kind`. */
 static bool substitute_items(names *n, json_t *items, bool are_shapes, pl_object_kind kind)
 {
     size_t i;

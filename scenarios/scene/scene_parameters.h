@@ -12,7 +12,7 @@ typedef struct pl_scene_parameters {
     int count;
 } pl_scene_parameters;
 
-/* Reads the parameters of a scene, none where it has none. False with a diagnostic when a name or a
+/* Reads the parameters of a scene; without the key, their count is 0. False with a diagnostic when a name or a
  * member is not right, or a value is out of its range. */
 bool pl_read_parameters(const json_t *scene, pl_scene_parameters *parameters,
                         pl_diagnostic *diagnostic);

@@ -26,7 +26,7 @@ sed -e '/"parameters"/d' -e 's/"9.81\*slope[^"]*"/2.379275/; s/"-9.81[^"]*"/-9.5
 grep -q '"friction": 0.3' printed.json || note_failure "the printed scene has not the value set"
 ! grep -q 'parameters' printed.json || note_failure "the printed scene has parameters"
 
-# What cannot be set.
+# Values and names that are refused.
 expect 2 'ramp.json: mu: expected 0.1 to 1 \(1\), found 2' run ramp.json --engine plumb --set mu=2
 expect 2 'no chosen scenario has the parameter mi; did you mean mu' run ramp.json --engine plumb --set mi=2
 expect 2 'no chosen scenario has the parameter mu' run plain.json --engine plumb --set mu=0.3

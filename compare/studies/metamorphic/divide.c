@@ -64,8 +64,8 @@ typedef struct grid {
     int vertex_count, triangle_count;
 } grid;
 
-/* The vertex at a point of the lattice, which is made where it is not there. Opposite vertices are mirror
- * images to the bit. */
+/* Returns the vertex at a point of the lattice, and makes it at the first call. Opposite vertices are
+ * mirror images to the bit. */
 static int vertex_at(grid *g, const double half[3], const int at[3])
 {
     int *index = &g->index[(at[0] * (g->n + 1) + at[1]) * (g->n + 1) + at[2]];
