@@ -18,7 +18,7 @@
     DO(reaction_split) DO(spin_stop) DO(cradle) DO(dominoes) DO(falling_cubes) \
     DO(domino_into_pile) DO(domino_spiral) DO(container) DO(rubble) DO(medley) DO(top) \
     DO(slide_and_spin) DO(bounce_row) DO(dropped_load) DO(lid) DO(raft) DO(rain) \
-    DO(spinning_coin) DO(overlapping_start) DO(city) DO(avalanche)
+    DO(spinning_coin) DO(overlapping_start) DO(city) DO(avalanche) DO(seams) DO(pedestal)
 /* clang-format on */
 
 #define DECLARE(name) extern const pl_scenario pl_scenario_##name;

@@ -122,6 +122,23 @@ static const pl_suite_entry hard[] = {{"tower", "n=100", 0},
                                       {"overlapping-start", NULL, 0},
                                       {"spinning-coin", NULL, 0}};
 
+/* Symptoms that users of engines report, each with its right answer. */
+static const pl_suite_entry reported[] = {{"seams", NULL, 0},
+                                          {"seams", "speed=8,friction=0.3", 0},
+                                          {"seams", "yaw=20,gap=0.001", 0},
+                                          {"pedestal", NULL, 0},
+                                          {"bounce", "restitution=0.3,bounces=1", 0},
+                                          {"bounce", "restitution=0.95,bounces=1", 0},
+                                          {"bounce-row", NULL, 0},
+                                          {"slide-to-stop", NULL, 0},
+                                          {"isotropy", NULL, 0},
+                                          {"slope-threshold", NULL, 0},
+                                          {"roll-slope", NULL, 0},
+                                          {"bowling", NULL, 0},
+                                          {"torque-free", NULL, 0},
+                                          {"mass-ratio", NULL, 0},
+                                          {"initial-overlap", NULL, 0}};
+
 #define ENTRIES(table) .entries = (table), .entry_count = sizeof(table) / sizeof(table)[0]
 
 static const pl_suite suites[] = {
@@ -145,6 +162,11 @@ static const pl_suite suites[] = {
     {.name = "hard",
      .description = "cases that break engines: weights, edges, friction at its limit, sizes, steps",
      ENTRIES(hard)},
+    {.name = "reported",
+     .description =
+         "symptoms that users of engines report: seams, rebounds, friction by direction, "
+         "rolling, rotation",
+     ENTRIES(reported)},
     {.name = "paper",
      .description = "the towers of the source paper, next to its own iteration counts",
      ENTRIES(paper),

@@ -138,6 +138,8 @@ static void test_needs_are_those_of_the_default_scene(void **state)
         {"overlapping-start", "friction rotation plane sphere box"},
         {"city", "friction rotation plane box"},
         {"avalanche", "friction rotation plane hull"},
+        {"seams", "rotation box"},
+        {"pedestal", "restitution rotation box"},
     };
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
