@@ -83,7 +83,7 @@ enum { PEDESTAL_DROP, PEDESTAL_RESTITUTION };
 
 static const pl_param pedestal_params[] = {
     {"drop", 1, 0.1, 10, false, "m", "height that the cube falls"},
-    PL_PARAM_RESTITUTION(1),
+    PL_PARAM_RESTITUTION(0.5),
     PL_PARAM_TIME(1.5),
 };
 

@@ -486,12 +486,15 @@ void pe_rest_forget(pe_world *world, int slot)
         return;
     }
     pe_resting_island *island = &islands_of(rest)[resting[slot] - 1];
-    pe_manifold *manifolds = pe_manifolds(&rest->contacts) + island->first_manifold;
+    /* Null where no body at rest has a contact. */
+    pe_manifold *manifolds = pe_manifolds(&rest->contacts);
+    const int first = island->first_manifold;
     int *bodies = bodies_of(rest) + island->first_body;
     int kept = 0, left = 0;
     for (int i = 0; i < island->manifold_count; ++i) {
-        if (manifolds[i].a != slot && manifolds[i].b != slot) {
-            manifolds[kept++] = manifolds[i];
+        const pe_manifold *manifold = &manifolds[first + i];
+        if (manifold->a != slot && manifold->b != slot) {
+            manifolds[first + kept++] = *manifold;
         }
     }
     for (int i = 0; i < island->body_count; ++i) {
