@@ -28,7 +28,8 @@ static const char DESCRIPTION[] =
     "built-in engine, the path of a shared object, or exec: and the command of a program. plumb "
     "list engines prints names, profiles and options. A scenario is a name that plumb list "
     "scenarios prints; a scene file is a name with a slash, or one that ends in .json, or - for "
-    "standard input.";
+    "standard input. --set NAME=VALUE sets a parameter of a scenario, or of a scene file that "
+    "defines it.";
 
 static const entry ENVIRONMENT[] = {
     {"PLUMB_PROFILES",

@@ -11,12 +11,14 @@ static const char *const definitions =
     "    \"name\": { \"description\": \"at most 63 bytes of UTF-8, no control characters\", "
     "\"type\": \"string\", \"minLength\": 1, \"maxLength\": 63, \"pattern\": "
     "\"^[^\\\\u0000-\\\\u001f\\\\u007f]+$\" },\n"
-    "    \"vector\": { \"type\": \"array\", \"items\": { \"type\": \"number\" }, \"minItems\": 3, "
-    "\"maxItems\": 3 },\n"
-    "    \"positive_vector\": { \"type\": \"array\", \"items\": { \"type\": \"number\", "
-    "\"exclusiveMinimum\": 0 }, \"minItems\": 3, \"maxItems\": 3 },\n"
-    "    \"quaternion\": { \"type\": \"array\", \"items\": { \"type\": \"number\" }, \"minItems\": "
-    "4, \"maxItems\": 4, \"description\": \"[w, x, y, z], unit, body to world\" },\n";
+    "    \"vector\": { \"type\": \"array\", \"items\": { \"type\": [\"number\", \"string\"] }, "
+    "\"minItems\": 3, \"maxItems\": 3, \"description\": \"a string is an expression of "
+    "parameters\" "
+    "},\n"
+    "    \"positive_vector\": { \"type\": \"array\", \"items\": { \"type\": [\"number\", "
+    "\"string\"], \"exclusiveMinimum\": 0 }, \"minItems\": 3, \"maxItems\": 3 },\n"
+    "    \"quaternion\": { \"type\": \"array\", \"items\": { \"type\": [\"number\", \"string\"] }, "
+    "\"minItems\": 4, \"maxItems\": 4, \"description\": \"[w, x, y, z], unit, body to world\" },\n";
 
 #define REF(name) "\"$ref\": \"#/$defs/" name "\""
 
@@ -53,6 +55,8 @@ static const struct {
                             NULL},
     [PL_FIELD_DENSITY] = {"number", NULL, NULL},
     [PL_FIELD_FILE] = {"file name", "\"type\": \"string\"", NULL},
+    [PL_FIELD_TEXT] = {"text", "\"type\": \"string\", \"maxLength\": 255", NULL},
+    [PL_FIELD_PARAMETERS] = {"object of", NULL, NULL},
 };
 
 static int component_count(const pl_field *field)
@@ -110,6 +114,15 @@ static void print_limits(const pl_field *field, const char *noun)
     }
 }
 
+/* A string is an expression of parameters; the parameters' own numbers are none. */
+static const char *number_type(const pl_field *field, const char *object)
+{
+    const bool is_parameter = strcmp(object, pl_objects[PL_OBJECT_PARAMETER].name) == 0;
+    return is_parameter      ? "\"number\""
+           : field->nullable ? "[\"number\", \"string\", \"null\"]"
+                             : "[\"number\", \"string\"]";
+}
+
 /* The members of the JSON Schema that state a field's type. */
 static void print_type(const pl_field *field, const char *object)
 {
@@ -120,8 +133,14 @@ static void print_type(const pl_field *field, const char *object)
         break;
     case PL_FIELD_NUMBER:
     case PL_FIELD_DENSITY:
-        printf("\"type\": %s%s", field->nullable ? "[\"number\", \"null\"]" : "\"number\"",
-               pl_range_rules[field->range].schema);
+        printf("\"type\": %s%s", number_type(field, object), pl_range_rules[field->range].schema);
+        break;
+    case PL_FIELD_PARAMETERS:
+        printf(
+            "\"type\": \"object\", \"propertyNames\": { \"pattern\": "
+            "\"^[A-Za-z_][A-Za-z0-9_]*$\" }, \"additionalProperties\": { \"oneOf\": [{ \"type\": "
+            "\"number\" }, { \"$ref\": \"#/$defs/%s\" }] }",
+            items);
         break;
     case PL_FIELD_WORD:
     case PL_FIELD_METRIC:
@@ -146,7 +165,9 @@ static void print_type(const pl_field *field, const char *object)
                          : types[field->type].schema);
         break;
     }
-    print_limits(field, field->type == PL_FIELD_NAMED_ITEMS ? "Properties" : "Items");
+    const bool is_object =
+        field->type == PL_FIELD_NAMED_ITEMS || field->type == PL_FIELD_PARAMETERS;
+    print_limits(field, is_object ? "Properties" : "Items");
 }
 
 static void print_object(pl_object_kind kind, const char *indent)

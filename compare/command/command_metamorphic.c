@@ -115,9 +115,9 @@ static int run(const pl_call *call)
 static const pl_option OPTIONS[] = {
     {"check", "NAME",
      "One check, such as rotate-z45, or all checks of a kind: again, rotate, mirror, order, "
-     "far, scale, shift, restart (repeatable; default all)",
+     "far, scale, shift, restart, split, tessellate, late (repeatable; default all)",
      PL_OPTION_TEXTS, .field = offsetof(options, checks),
-     .values = "again|rotate|mirror|order|far|scale|shift|restart"},
+     .values = "again|rotate|mirror|order|far|scale|shift|restart|split|tessellate|late"},
     {0}};
 
 const pl_command pl_command_metamorphic = {
@@ -127,8 +127,13 @@ const pl_command pl_command_metamorphic = {
     .description =
         "Runs a scene on an engine, and then scenes that must move in the same way: turned, "
         "mirrored, moved, scaled (length s, mass s^3, time sqrt(s)), with its bodies in another "
-        "order, with a copy of everything 1e4 times its size away, a second time, and with a new "
-        "instance from half time on. Prints how far each, mapped back, is from the first at a "
+        "order, with a copy of everything 1e4 times its size away, a second time, with a new "
+        "instance from half time on, with each static box split in two flush boxes or made a "
+        "closed "
+        "mesh, and with a start that lies a fraction of a step later on the same motion. A check "
+        "that "
+        "does not apply to a scene, or whose scene the engine does not support, says why. Prints "
+        "how far each, mapped back, is from the first at a "
         "tenth "
         "of the run and at its end: bitwise; exact, to 1e-9 of the scene's size and 1e-9 rad; "
         "close, to 1e-3; differs; or failed, where a run did not reach its end. A difference is a "

@@ -87,6 +87,7 @@ const pl_command pl_command_scene = {.name = "scene",
                                      .notes = "Examples:\n"
                                               "  plumb scene tower --set n=3 > mine.json\n"
                                               "  plumb compare ./mine.json\n"
+                                              "  plumb scene ramp.json --set mu=0.3 > low.json\n"
                                               "  plumb scene tower --format mjcf > tower.xml",
                                      .options = format_options,
                                      .shared = {pl_scene_options, pl_file_options},

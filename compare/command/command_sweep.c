@@ -43,8 +43,7 @@ static pl_status check(void *user, pl_error *error)
         return pl_fail(error, PL_BAD_INPUT,
                        "--settings belongs to the sweep without --vary, which says what is varied");
     }
-    return pl_request_check(user, "name a scenario, a scene file or a --suite", "every point",
-                            error);
+    return pl_request_check(user, "name a scenario, a scene file or a --suite", NULL, error);
 }
 
 /* What the callbacks of runs need. */
@@ -277,10 +276,9 @@ static pl_status make_plan(const pl_call *call, options *o, pl_shard shard, pl_p
                                  .varied_count = o->varied_count,
                                  .design = design.count > 0 ? &design : NULL,
                                  .changes = o->changes,
-                                 .dt = o->request.dt,
-                                 .duration = o->request.duration,
                                  .shard = shard};
         status = pl_grid_plan(&def, plan, error);
+        pl_plan_take_files(plan, &base);
     }
     pl_design_free(&design);
     pl_plan_free(&base);
@@ -352,7 +350,8 @@ static const pl_option OPTIONS[] = {
     {"changes", "N",
      "Make each point once more on each of N changed scenes: n one larger, friction up by its last "
      "bit, parameters moved within 1 % and others, of which a scene has those that it has a "
-     "parameter for; scene files have none. A point's error is then the largest, and its cost is "
+     "parameter for; of a scene file its parameters are moved. A point's error is then the "
+     "largest, and its cost is "
      "that of the scene itself (default 2; 0 with --vary)",
      PL_OPTION_INTEGER, .field = offsetof(options, changes), .max = 7},
     {"cpu-limit", NULL,

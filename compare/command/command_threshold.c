@@ -3,8 +3,21 @@
 #include "results/store.h"
 #include "studies/threshold/threshold.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+typedef struct options {
+    pl_request request;
+    pl_texts varied;  /* --vary NAME[=LOW..HIGH] */
+    double tolerance; /* of the parameter; NAN: the scenario's own, else 1e-5 of the range */
+} options;
+
+/* The searched parameters of all cases: a case's descriptor is a copy with a threshold. */
+typedef struct aims {
+    pl_scenario *descriptors; /* (case_count) */
+    pl_threshold *thresholds; /* (case_count) */
+} aims;
 
 /* An error with the names of those that have one. */
 static pl_status fail_without(const char *what, pl_error *error)
@@ -19,70 +32,215 @@ static pl_status fail_without(const char *what, pl_error *error)
                      scenarios[i]->name);
         }
     }
-    return pl_fail(error, PL_BAD_INPUT, "%s has no threshold; these have one: %s", what, list);
+    return pl_fail(error, PL_BAD_INPUT,
+                   "%s has no threshold: choose a parameter by --vary NAME=LOW..HIGH; these have "
+                   "one: %s",
+                   what, list);
 }
 
-/* A scenario that is named must have a threshold; those of suites need not. */
-static pl_status check_names(const pl_request *request, pl_error *error)
+/* An error that names the parameters of a scene file. */
+static pl_status fail_without_parameter(const pl_scenario *file, pl_error *error)
 {
-    for (int i = 0; i < request->names.count; ++i) {
-        const pl_scenario *scenario = pl_scenario_find(request->names.items[i], error);
-        if (scenario == NULL) {
-            return PL_BAD_INPUT;
+    char list[400] = "";
+    const int own = file->param_count - 2; /* without dt and duration */
+    for (int i = 0; i < own; ++i) {
+        const size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", i == 0 ? "" : ", ", file->params[i].name);
+    }
+    return own == 0 ? pl_fail(error, PL_BAD_INPUT,
+                              "%s has no parameters: give \"parameters\" in the file", file->name)
+                    : pl_fail(error, PL_BAD_INPUT,
+                              "%s: which parameter? --vary NAME=LOW..HIGH; the file has %s",
+                              file->name, list);
+}
+
+/* ---- What is searched for ---- */
+
+/* The name in a text "NAME" or "NAME=...". */
+static void name_of(const char *text, char name[PL_NAME_SIZE])
+{
+    snprintf(name, PL_NAME_SIZE, "%.*s", (int)strcspn(text, "="), text);
+}
+
+/* Reads the range of "NAME=LOW..HIGH". */
+static bool read_range(const char *text, double *low, double *high)
+{
+    char first[64];
+    const char *range = strchr(text, '=');
+    const char *dots = range == NULL ? NULL : strstr(range, "..");
+    if (dots == NULL || dots - range > (ptrdiff_t)sizeof first) {
+        return false;
+    }
+    snprintf(first, sizeof first, "%.*s", (int)(dots - range - 1), range + 1);
+    return pl_parse_number(first, low) && pl_parse_number(dots + 2, high) && *low < *high;
+}
+
+/* Takes the range from --vary, else from the scenario's threshold, else from the parameter. */
+static pl_status find_range(const pl_scenario *scenario, const pl_param *param, const char *text,
+                            pl_threshold *t, pl_error *error)
+{
+    t->low = isfinite(t->low) ? t->low : param->min;
+    t->high = isfinite(t->high) ? t->high : param->max;
+    if (strchr(text, '=') != NULL && !read_range(text, &t->low, &t->high)) {
+        return pl_fail(error, PL_BAD_INPUT, "--vary %s: expected NAME=LOW..HIGH with LOW < HIGH",
+                       text);
+    }
+    if (!isfinite(t->low) || !isfinite(t->high)) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "--vary %s: %s has no range there: write --vary %s=LOW..HIGH, or give it "
+                       "\"low\" and \"high\" in %s",
+                       text, param->name, param->name, scenario->name);
+    }
+    if (t->low < param->min || t->high > param->max || param->integer) {
+        return pl_fail(error, PL_BAD_INPUT, "--vary %s: expected %s from %g to %g of %s%s", text,
+                       param->name, param->min, param->max, scenario->name,
+                       param->integer ? ", but it is a whole number" : "");
+    }
+    return PL_OK;
+}
+
+/* The --vary of a parameter that the scenario has, in *text; NULL: there is none. */
+static pl_status find_varied(const options *o, const pl_scenario *scenario, const char **text,
+                             pl_error *error)
+{
+    *text = NULL;
+    for (int i = 0; i < o->varied.count; ++i) {
+        char name[PL_NAME_SIZE];
+        name_of(o->varied.items[i], name);
+        if (pl_scenario_param(scenario, name) < 0) {
+            continue;
         }
-        if (scenario->threshold == NULL) {
-            return fail_without(scenario->name, error);
+        if (*text != NULL) {
+            return pl_fail(error, PL_BAD_INPUT, "--vary %s: %s has %s, too; one is searched for",
+                           o->varied.items[i], scenario->name, *text);
+        }
+        *text = o->varied.items[i];
+    }
+    return PL_OK;
+}
+
+/* Sets what is searched for in a scenario; t->param stays NULL if there is nothing. */
+static pl_status aim_at(const options *o, const pl_scenario *scenario, pl_threshold *t,
+                        pl_error *error)
+{
+    const char *text = NULL;
+    pl_status status = find_varied(o, scenario, &text, error);
+    *t = (pl_threshold){.param = NULL};
+    if (status != PL_OK) {
+        return status;
+    }
+    if (text == NULL && scenario->threshold != NULL) {
+        *t = *scenario->threshold;
+    }
+    if (text != NULL) {
+        char name[PL_NAME_SIZE];
+        name_of(text, name);
+        const pl_param *param = &scenario->params[pl_scenario_param(scenario, name)];
+        const bool is_own =
+            scenario->threshold != NULL && strcmp(scenario->threshold->param, name) == 0;
+        *t = is_own ? *scenario->threshold
+                    : (pl_threshold){.param = param->name,
+                                     .low = (double)NAN,
+                                     .high = (double)NAN,
+                                     .either_side = true};
+        status = find_range(scenario, param, text, t, error);
+        t->tolerance = is_own ? t->tolerance : 1e-5 * (t->high - t->low);
+    }
+    t->tolerance = isnan(o->tolerance) ? t->tolerance : o->tolerance;
+    return status;
+}
+
+/* ---- Cases ---- */
+
+/* A scenario that is named must have something to search for; those of suites need not. */
+static pl_status check_case(const pl_request *request, const pl_case *test_case,
+                            const pl_threshold *t, pl_error *error)
+{
+    const pl_scenario *scenario = test_case->descriptor;
+    bool is_named = false;
+    for (int i = 0; i < request->names.count; ++i) {
+        is_named = is_named || strcmp(request->names.items[i], test_case->name) == 0;
+    }
+    if (t->param == NULL && is_named) {
+        return scenario->file != NULL ? fail_without_parameter(scenario, error)
+                                      : fail_without(test_case->name, error);
+    }
+    if (scenario->file != NULL && isinf(test_case->scene.collapse_distance)) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "%s: expected a rest among what it expects, found none that can collapse: "
+                       "a scene holds where its bodies stay within collapse_distance of their rest",
+                       test_case->name);
+    }
+    for (int k = 0; t->param != NULL && k < request->settings.count; ++k) {
+        char name[PL_NAME_SIZE];
+        name_of(request->settings.items[k], name);
+        if (strcmp(name, t->param) == 0) {
+            return pl_fail(error, PL_BAD_INPUT, "--set %s: %s is what is searched for in %s",
+                           request->settings.items[k], name, test_case->name);
         }
     }
     return PL_OK;
 }
 
-/* Leaves out the cases of suites that have no threshold. */
-static pl_status keep_thresholds(pl_plan *plan, pl_error *error)
+/* Every --vary must be of a parameter that some case has. */
+static pl_status check_varied(const options *o, const pl_plan *plan, pl_error *error)
 {
-    int kept = 0;
-    for (int i = 0; i < plan->case_count; ++i) {
-        pl_case kept_case = plan->cases[i];
-        if (kept_case.descriptor->threshold != NULL) {
-            plan->cases[i] = plan->cases[kept];
-            plan->cases[kept++] = kept_case;
+    for (int i = 0; i < o->varied.count; ++i) {
+        char name[PL_NAME_SIZE], hint[PL_SUGGESTION_SIZE] = "";
+        bool is_known = false;
+        name_of(o->varied.items[i], name);
+        for (int p = 0; p < plan->case_count && !is_known; ++p) {
+            const pl_scenario *scenario = plan->cases[p].descriptor;
+            const char *names[PL_MAX_PARAMS];
+            for (int k = 0; k < scenario->param_count; ++k) {
+                names[k] = scenario->params[k].name;
+            }
+            is_known = pl_scenario_param(scenario, name) >= 0;
+            if (hint[0] == '\0') {
+                pl_did_you_mean(name, names, scenario->param_count, hint);
+            }
+        }
+        if (!is_known) {
+            return pl_fail(error, PL_BAD_INPUT,
+                           "--vary %s: no chosen scenario has the parameter %s%s",
+                           o->varied.items[i], name, hint);
         }
     }
-    while (plan->case_count > kept) {
+    return PL_OK;
+}
+
+/* Gives each case what is searched for in it, and leaves out the cases that have nothing. */
+static pl_status aim(const options *o, pl_plan *plan, aims *made, pl_error *error)
+{
+    const size_t count = (size_t)plan->case_count;
+    int kept = 0;
+    pl_status status = check_varied(o, plan, error);
+    made->descriptors = calloc(count + 1, sizeof *made->descriptors);
+    made->thresholds = calloc(count + 1, sizeof *made->thresholds);
+    if (status == PL_OK && (made->descriptors == NULL || made->thresholds == NULL)) {
+        status = pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    for (int i = 0; i < plan->case_count && status == PL_OK; ++i) {
+        pl_case this_case = plan->cases[i];
+        pl_threshold *threshold = &made->thresholds[kept];
+        status = aim_at(o, this_case.descriptor, threshold, error);
+        if (status == PL_OK) {
+            status = check_case(&o->request, &this_case, threshold, error);
+        }
+        if (status == PL_OK && threshold->param != NULL) {
+            made->descriptors[kept] = *this_case.descriptor;
+            made->descriptors[kept].threshold = threshold;
+            this_case.descriptor = &made->descriptors[kept];
+            plan->cases[i] = plan->cases[kept];
+            plan->cases[kept++] = this_case;
+        }
+    }
+    while (status == PL_OK && plan->case_count > kept) {
         pl_case *last = &plan->cases[--plan->case_count];
         free(last->name);
         pl_scene_free(&last->scene);
     }
-    return kept > 0 ? PL_OK : fail_without("the suite", error);
-}
-
-/* The parameter that is searched for cannot be set. */
-static pl_status check_settings(const pl_request *request, const pl_plan *plan, pl_error *error)
-{
-    for (int i = 0; i < plan->case_count; ++i) {
-        const char *param = plan->cases[i].descriptor->threshold->param;
-        for (int k = 0; k < request->settings.count; ++k) {
-            const char *setting = request->settings.items[k];
-            size_t length = strcspn(setting, "=");
-            if (strlen(param) == length && strncmp(setting, param, length) == 0) {
-                return pl_fail(error, PL_BAD_INPUT, "--set %s: %s is what is searched for in %s",
-                               setting, param, plan->cases[i].name);
-            }
-        }
-    }
-    return PL_OK;
-}
-
-static pl_status add_cases(const pl_request *request, pl_plan *plan, pl_error *error)
-{
-    pl_status status = check_names(request, error);
-    if (status == PL_OK) {
-        status = pl_request_add_cases(request, plan, error);
-    }
-    if (status == PL_OK) {
-        status = keep_thresholds(plan, error);
-    }
-    return status == PL_OK ? check_settings(request, plan, error) : status;
+    return status != PL_OK || kept > 0 ? status : fail_without("the suite", error);
 }
 
 static pl_status write_lines(const char *path, const pl_plan *plan,
@@ -153,34 +311,53 @@ static int search(const pl_call *call, const pl_request *request, const pl_plan 
 
 static pl_status check(void *user, pl_error *error)
 {
-    return pl_request_check(user, "which scenario? plumb threshold SCENARIO, or --suite NAME", NULL,
-                            error);
+    const options *o = user;
+    return pl_request_check(&o->request,
+                            "which scenario? plumb threshold SCENARIO|SCENE.json, or --suite NAME",
+                            NULL, error);
 }
 
 static int run(const pl_call *call)
 {
-    pl_request request = pl_request_default();
-    pl_call_parse(call, &request);
+    options o = {.request = pl_request_default(), .tolerance = (double)NAN};
+    pl_call_parse(call, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
+    aims made = {.descriptors = NULL};
     int code = PL_EXIT_OK;
-    pl_status status = add_cases(&request, &plan, &error);
+    pl_status status = pl_request_add_cases(&o.request, &plan, &error);
     if (status == PL_OK) {
-        status = pl_request_add_engines(call, &request, &plan, &error);
+        status = aim(&o, &plan, &made, &error);
+    }
+    if (status == PL_OK) {
+        status = pl_request_add_engines(call, &o.request, &plan, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
     } else if (plan.configuration_count == 0) {
         code = pl_call_nothing(call, "there is no engine to search on");
     } else {
-        code = search(call, &request, &plan);
+        code = search(call, &o.request, &plan);
     }
     pl_plan_free(&plan);
-    pl_request_free(&request);
+    free(made.descriptors);
+    free(made.thresholds);
+    free(o.varied.items);
+    pl_request_free(&o.request);
     return code;
 }
 
 static const pl_option OPTIONS[] = {
+    {"vary", "NAME[=LOW..HIGH]",
+     "Search for the critical value of this parameter, in that range; the range of the scenario's "
+     "threshold, else that of the parameter (low and high in a scene file), need not be given "
+     "(repeatable: one for each scenario)",
+     PL_OPTION_TEXTS, .field = offsetof(options, varied), .values = "NAME=VALUE"},
+    {"tolerance", "WIDTH",
+     "Width of the bracket at which a search ends, in the unit of the parameter (default: that of "
+     "the scenario's threshold, else 1e-5 of the range)",
+     PL_OPTION_NUMBER, .field = offsetof(options, tolerance), .takes = "a width", .min = 1e-300,
+     .max = 1e300},
     {"suite", NULL, "All scenarios of a suite that have a threshold (repeatable)",
      .kind = PL_OPTION_HELP},
     {"json", NULL, "Write a JSON object a line for each scenario and engine (- is standard output)",
@@ -191,9 +368,10 @@ static const pl_option OPTIONS[] = {
 const pl_command pl_command_threshold = {
     .name = "threshold",
     .summary = "bisect a scenario's critical value on engines",
-    .arguments = "SCENARIO...",
+    .arguments = "SCENARIO|SCENE.json...",
     .description =
-        "Bisects the critical value of a scenario's parameter on every engine: on one side of it "
+        "Bisects the critical value of a parameter of a scenario or a scene file on every engine: "
+        "on one side of it "
         "the scene holds (outcome ok), on the other it does not (collapsed). Each trial is a run "
         "in "
         "a process of its own. An engine that holds at both ends of the search, or at neither, or "
@@ -201,6 +379,7 @@ const pl_command pl_command_threshold = {
     .notes = "Examples:\n"
              "  plumb threshold slope-threshold --set friction=0.5\n"
              "  plumb threshold slope-threshold slope-tip --engine plumb --engine ode:quick\n"
+             "  plumb threshold ramp.json --vary mu=0.1..1 --engine plumb\n"
              "  plumb threshold --suite hard --jobs 2 --json thresholds.jsonl",
     .options = OPTIONS,
     .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,

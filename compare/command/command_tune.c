@@ -27,8 +27,7 @@ static pl_status check(void *user, pl_error *error)
 {
     const options *o = user;
     pl_status status = pl_request_check(
-        &o->request, "which scenario? plumb tune SCENARIO --engine NAME --target ...", "every run",
-        error);
+        &o->request, "which scenario? plumb tune SCENARIO --engine NAME --target ...", NULL, error);
     if (status == PL_OK && o->request.engines.count != 1) {
         return pl_fail(error, PL_BAD_INPUT,
                        "one engine is tuned at a time: --engine NAME[:PROFILE]");
@@ -102,8 +101,6 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
     pl_status status =
         provenance == NULL ? PL_NO_MEMORY : open_journal(call, o, space, &journal, &error);
     const pl_tune_def def = {.plan = plan,
-                             .dt = o->request.dt,
-                             .duration = o->request.duration,
                              .space = space,
                              .targets = &o->targets,
                              .budget = o->budget,

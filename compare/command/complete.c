@@ -93,34 +93,40 @@ static void offer_suites(completion *c)
     }
 }
 
-static bool has_param(const pl_scenario *scenario, const char *name)
+/* Whether one of the first `count` offered parameters has that name. */
+static bool is_offered(char (*names)[PL_NAME_SIZE], int count, const char *name)
 {
-    for (int i = 0; i < scenario->param_count; ++i) {
-        if (strcmp(scenario->params[i].name, name) == 0) {
+    for (int i = 0; i < count; ++i) {
+        if (strcmp(names[i], name) == 0) {
             return true;
         }
     }
     return false;
 }
 
-/* The parameters of the scenarios that are named before, each once. */
+/* The parameters of the scenarios and scene files that are named before, each once. */
 static void offer_parameters(completion *c)
 {
-    pl_error error;
+    enum { MOST = 256 };
+    char names[MOST][PL_NAME_SIZE];
+    int count = 0;
     pass_commas(c);
     for (int i = 0; i < c->arguments.count; ++i) {
-        const pl_scenario *scenario = pl_scenario_find(c->arguments.items[i], &error);
-        for (int k = 0; scenario != NULL && k < scenario->param_count; ++k) {
+        const char *argument = c->arguments.items[i];
+        pl_scenario *file = NULL;
+        const pl_scenario *scenario = pl_scenario_find(argument, NULL);
+        if (scenario == NULL && strcmp(argument, "-") != 0 &&
+            pl_scenario_open_file(argument, &file, NULL) == PL_OK) {
+            scenario = file;
+        }
+        for (int k = 0; scenario != NULL && k < scenario->param_count && count < MOST; ++k) {
             const pl_param *param = &scenario->params[k];
-            bool is_known = false;
-            for (int other = 0; other < i && !is_known; ++other) {
-                const pl_scenario *earlier = pl_scenario_find(c->arguments.items[other], &error);
-                is_known = earlier != NULL && has_param(earlier, param->name);
-            }
-            if (!is_known) {
+            if (!is_offered(names, count, param->name)) {
+                snprintf(names[count++], PL_NAME_SIZE, "%s", param->name);
                 offer(c, param->name, "=", param->help);
             }
         }
+        pl_scenario_close_file(file);
     }
 }
 

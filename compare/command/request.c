@@ -13,7 +13,7 @@
 
 /* An entry of a suite, or a name that was asked for. */
 typedef struct asked {
-    const char *name, *setting; /* "NAME=VALUE" or NULL; it has no meaning for a scene file */
+    const char *name, *setting; /* of a suite: "NAME=VALUE" or NULL */
 } asked;
 
 pl_request pl_request_default(void)
@@ -48,8 +48,8 @@ static pl_status parse_setting(void *options, const char *text, pl_error *error)
 
 const pl_option pl_scene_options[] = {
     {"set", "NAME=VALUE",
-     "Set a parameter of every named scenario that has it (repeatable; see plumb list "
-     "scenarios)",
+     "Set a parameter of every named scenario or scene file that has it (repeatable; see plumb "
+     "list scenarios)",
      PL_OPTION_PARSED, .parse = parse_setting},
     {"dt", "S", "Time step in seconds, also as a fraction: 1/240", PL_OPTION_NUMBER,
      .field = offsetof(pl_request, dt), .takes = "seconds", .min = 1e-9, .max = 1e3},
@@ -227,14 +227,9 @@ static bool is_scene_file(const char *name)
 
 static bool has_param(const pl_scenario *scenario, const char *setting)
 {
-    size_t length = strcspn(setting, "=");
-    for (int i = 0; i < scenario->param_count; ++i) {
-        const char *name = scenario->params[i].name;
-        if (strlen(name) == length && strncmp(name, setting, length) == 0) {
-            return true;
-        }
-    }
-    return false;
+    char name[PL_NAME_SIZE];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(setting, "="), setting);
+    return pl_scenario_param(scenario, name) >= 0;
 }
 
 /* An error that names the option, the parameter and the nearest one of all `scenarios`. */
@@ -250,10 +245,6 @@ static pl_status unknown_param(const char *option, const char *setting,
             names[k] = scenarios[i]->params[k].name;
         }
         pl_did_you_mean(word, names, scenarios[i]->param_count, hint);
-    }
-    if (count == 0) {
-        return pl_fail(error, PL_BAD_INPUT, "%s %s: a scene file has no parameters; edit the file",
-                       option, setting);
     }
     return pl_fail(error, PL_BAD_INPUT, "%s %s: no chosen scenario has the parameter %s%s", option,
                    setting, word, hint);
@@ -332,46 +323,43 @@ static pl_status list_asked(const pl_request *request, asked **list, int *count,
     return status;
 }
 
-/* Finds the scenarios of the items that are no scene files: (*known) in their order. */
-static pl_status find_scenarios(const asked *list, int count, const pl_scenario **scenarios,
-                                int *known, pl_error *error)
+/* The scenario of each item, in their order; scene files are opened. */
+static pl_status find_scenarios(pl_plan *plan, const asked *list, int count,
+                                const pl_scenario **scenarios, pl_error *error)
 {
-    for (int i = 0; i < count; ++i) {
-        if (!is_scene_file(list[i].name)) {
-            scenarios[*known] = pl_scenario_find(list[i].name, error);
-            if (scenarios[*known] == NULL) {
-                return PL_BAD_INPUT;
-            }
-            ++*known;
+    pl_status status = PL_OK;
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        if (is_scene_file(list[i].name)) {
+            status = pl_plan_open_file(plan, list[i].name, &scenarios[i], error);
+        } else {
+            scenarios[i] = pl_scenario_find(list[i].name, error);
+            status = scenarios[i] == NULL ? PL_BAD_INPUT : PL_OK;
         }
     }
-    return PL_OK;
+    return status;
 }
 
 pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_error *error)
 {
     asked *list = NULL;
     const pl_scenario **scenarios = NULL;
-    int count = 0, known = 0, next = 0;
+    int count = 0;
     pl_status status = list_asked(request, &list, &count, error);
     if (status != PL_OK) {
         goto cleanup;
     }
     scenarios = calloc((size_t)count + 1, sizeof(const pl_scenario *));
     status = scenarios == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                               : find_scenarios(list, count, scenarios, &known, error);
+                               : find_scenarios(plan, list, count, scenarios, error);
     if (status == PL_OK) {
-        status = check_settings("--set", &request->settings, scenarios, known, error);
+        status = check_settings("--set", &request->settings, scenarios, count, error);
     }
     if (status == PL_OK) {
-        status = check_settings(request->others_option, &request->others, scenarios, known, error);
+        status = check_settings(request->others_option, &request->others, scenarios, count, error);
     }
     plan->seed = request->seed;
     for (int i = 0; i < count && status == PL_OK; ++i) {
-        status =
-            is_scene_file(list[i].name)
-                ? pl_plan_add_scene_file(plan, list[i].name, request->dt, request->duration, error)
-                : add_scenario(request, scenarios[next++], list[i].setting, plan, error);
+        status = add_scenario(request, scenarios[i], list[i].setting, plan, error);
     }
 
 cleanup:

@@ -60,8 +60,8 @@ pl_status pl_request_check(const pl_request *request, const char *which, const c
 pl_status pl_request_outputs(const pl_request *request, const char *other, pl_error *error);
 
 /* Adds the cases of all suites, then those of the names. A name with a '/', one that ends in
- * ".json", and "-" are scene files; others are scenarios. Each setting goes to every scenario that
- * has the parameter, after a suite's own. PL_BAD_INPUT: there is no such suite, scenario or
+ * ".json", and "-" are scene files; others are scenarios. Each setting goes to every scenario and
+ * scene file that has the parameter, after a suite's own. PL_BAD_INPUT: there is no such suite, scenario or
  * parameter. */
 pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_error *error);
 

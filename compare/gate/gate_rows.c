@@ -89,6 +89,14 @@ bool pl_gate_row_identify(pl_gate_row *row)
             append_number(row, scenario->params[i].name, json_number_value(value));
         }
     }
+    const char *name;
+    json_t *value;
+    json_object_foreach((json_t *)params, name, value)
+    {
+        if (scenario == NULL) { /* the defaults of a scene file are not known here */
+            append_number(row, name, json_number_value(value));
+        }
+    }
     if (json_object_get(row->json, "member") != NULL) {
         append_number(row, "member", number_of(row->json, "member"));
     }

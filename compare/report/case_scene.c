@@ -8,24 +8,40 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static pl_status build_from_catalogue(const pl_case *test_case, pl_scene *scene, pl_error *error)
+/* Settings of parameters, as pl_scenario_values takes them. */
+typedef struct settings {
+    char texts[PL_MAX_PARAMS][PL_NAME_SIZE + 32];
+    const char *items[PL_MAX_PARAMS]; /* (count): the texts */
+    int count;
+} settings;
+
+/* Adds "NAME=VALUE" to the settings where the value is a number; else the parameter has its default, and
+ * the hash shows whether that has changed. */
+static void add_setting(settings *made, const char *name, const json_t *value)
 {
-    const pl_scenario *scenario = test_case->catalogue;
-    double values[PL_MAX_PARAMS];
-    char texts[PL_MAX_PARAMS][128];
-    const char *settings[PL_MAX_PARAMS];
-    int count = 0;
-    for (int i = 0; i < scenario->param_count; ++i) {
-        const json_t *value = json_object_get(test_case->params, scenario->params[i].name);
-        if (!json_is_number(value)) {
-            continue; /* it has its default; the hash shows if that has changed */
-        }
-        snprintf(texts[count], sizeof texts[count], "%.80s=%.17g", scenario->params[i].name,
-                 json_number_value(value));
-        settings[count] = texts[count];
-        ++count;
+    if (json_is_number(value)) {
+        char *text = made->texts[made->count];
+        snprintf(text, sizeof made->texts[0], "%s=%.17g", name, json_number_value(value));
+        made->items[made->count++] = text;
     }
-    pl_status status = pl_scenario_values(scenario, settings, count, values, error);
+}
+
+/* Builds the scene with the parameters of the case, for a file also with the run's step and
+ * duration. */
+static pl_status build(const pl_case *test_case, const pl_scenario *scenario, pl_scene *scene,
+                       pl_error *error)
+{
+    double values[PL_MAX_PARAMS];
+    settings made = {.count = 0};
+    const json_t *params = test_case->params;
+    for (int i = 0; i < scenario->param_count; ++i) {
+        const char *name = scenario->params[i].name;
+        const bool is_time = strcmp(name, "dt") == 0 || strcmp(name, "duration") == 0;
+        const bool is_run = scenario->file != NULL && is_time;
+        const json_t *from = is_run ? json_object_get(test_case->result, "settings") : params;
+        add_setting(&made, name, json_object_get(from, name));
+    }
+    pl_status status = pl_scenario_values(scenario, made.items, made.count, values, error);
     return status != PL_OK
                ? status
                : pl_scenario_build(scenario, values, (uint64_t)test_case->seed, scene, error);
@@ -34,27 +50,25 @@ static pl_status build_from_catalogue(const pl_case *test_case, pl_scene *scene,
 static pl_status build_from_file(const pl_case *test_case, pl_scene *scene, pl_error *error)
 {
     struct stat information;
+    pl_scenario *scenario = NULL;
     if (stat(test_case->scenario, &information) != 0 || !S_ISREG(information.st_mode)) {
         return pl_fail(error, PL_IO, "there is no scene file %.200s here", test_case->scenario);
     }
-    pl_status status = pl_scene_read_file(test_case->scenario, scene, error);
-    if (status != PL_OK) {
-        return status;
+    pl_status status = pl_scenario_open_file(test_case->scenario, &scenario, error);
+    if (status == PL_OK) {
+        status = build(test_case, scenario, scene, error);
     }
-    const json_t *settings = json_object_get(test_case->result, "settings");
-    const json_t *dt = json_object_get(settings, "dt");
-    const json_t *duration = json_object_get(settings, "duration");
-    scene->dt = json_is_number(dt) ? json_number_value(dt) : scene->dt;
-    scene->duration = json_is_number(duration) ? json_number_value(duration) : scene->duration;
-    return PL_OK;
+    pl_scenario_close_file(scenario);
+    return status;
 }
 
 pl_status pl_case_scene_build(const pl_case *test_case, pl_scene *scene, pl_error *error)
 {
     *scene = pl_scene_default();
     char hash[17] = "";
-    pl_status status = test_case->catalogue != NULL ? build_from_catalogue(test_case, scene, error)
-                                                    : build_from_file(test_case, scene, error);
+    pl_status status = test_case->catalogue != NULL
+                           ? build(test_case, test_case->catalogue, scene, error)
+                           : build_from_file(test_case, scene, error);
     if (status == PL_OK) {
         status = pl_scene_hash(scene, hash, error);
     }

@@ -227,23 +227,45 @@ void pl_page_data_scenario(const pl_scenario *scenario, json_t *object)
     set_text(object, "threads", scenario->threads);
 }
 
-/* Parameters as [name, value, meaning]; of a scene file its time step and duration. */
+/* The time step and the duration of a scene file, which are no parameters of its own. */
+static const pl_param file_times[2] = {{.name = "dt", .unit = "s", .help = "time step"},
+                                       {.name = "duration", .unit = "s", .help = "simulated time"}};
+
+static bool is_file_time(const char *name)
+{
+    return strcmp(name, file_times[0].name) == 0 || strcmp(name, file_times[1].name) == 0;
+}
+
+static void add_param(json_t *array, const pl_param *param, const json_t *value)
+{
+    char number[PL_NUMBER_SIZE];
+    pl_format_given(json_is_number(value) ? json_number_value(value) : (double)NAN, param->unit,
+                    number);
+    json_array_append_new(array,
+                          json_pack("[s, s, o]", param->name, number, text_or_null(param->help)));
+}
+
+/* Parameters as [name, value, meaning]; of a scene file its own, without meaning, then its time step
+ * and duration. */
 static json_t *params_json(const pl_case *test_case)
 {
-    static const pl_param times[] = {{.name = "dt", .unit = "s", .help = "time step"},
-                                     {.name = "duration", .unit = "s", .help = "simulated time"}};
     const pl_scenario *scenario = test_case->catalogue;
-    const pl_param *params = scenario == NULL ? times : scenario->params;
-    const json_t *values =
-        scenario == NULL ? json_object_get(test_case->result, "settings") : test_case->params;
+    const json_t *settings = json_object_get(test_case->result, "settings");
     json_t *array = json_array();
-    for (int i = 0; i < (scenario == NULL ? 2 : scenario->param_count); ++i) {
-        const json_t *value = json_object_get(values, params[i].name);
-        char number[PL_NUMBER_SIZE];
-        pl_format_given(json_is_number(value) ? json_number_value(value) : (double)NAN,
-                        params[i].unit, number);
-        json_array_append_new(
-            array, json_pack("[s, s, o]", params[i].name, number, text_or_null(params[i].help)));
+    const char *name;
+    json_t *value;
+    for (int i = 0; scenario != NULL && i < scenario->param_count; ++i) {
+        const pl_param *param = &scenario->params[i];
+        add_param(array, param, json_object_get(test_case->params, param->name));
+    }
+    json_object_foreach((json_t *)test_case->params, name, value)
+    {
+        if (scenario == NULL && !is_file_time(name)) {
+            add_param(array, &(pl_param){.name = name, .unit = "1", .help = ""}, value);
+        }
+    }
+    for (int i = 0; scenario == NULL && i < 2; ++i) {
+        add_param(array, &file_times[i], json_object_get(settings, file_times[i].name));
     }
     return array;
 }
@@ -263,11 +285,19 @@ static json_t *again_json(const pl_case *test_case)
                            json_number_value(value));
         }
     }
+    const char *name;
+    json_t *param;
+    json_object_foreach((json_t *)test_case->params, name, param)
+    {
+        if (scenario == NULL && !is_file_time(name)) {
+            pl_text_format(&line, " --set %s=%.17g", name, json_number_value(param));
+        }
+    }
     for (int i = 0; scenario == NULL && i < 2; ++i) {
-        const char *name = i == 0 ? "dt" : "duration";
-        if (json_is_number(json_object_get(settings, name))) {
-            pl_text_format(&line, " --%s %.17g", name,
-                           json_number_value(json_object_get(settings, name)));
+        const char *time = file_times[i].name;
+        if (json_is_number(json_object_get(settings, time))) {
+            pl_text_format(&line, " --%s %.17g", time,
+                           json_number_value(json_object_get(settings, time)));
         }
     }
     if (test_case->seed != 0) {

@@ -144,6 +144,12 @@ static double param_value(const pl_case *test_case, const char *name)
     return json_number_value(json_object_get(test_case->params, name));
 }
 
+static int compare_params(const pl_case *a, const pl_case *b, const char *name)
+{
+    const double x = param_value(a, name), y = param_value(b, name);
+    return (x > y) - (x < y);
+}
+
 static int compare_cases(const void *left, const void *right)
 {
     const pl_case *a = left, *b = right;
@@ -152,9 +158,13 @@ static int compare_cases(const void *left, const void *right)
         order = strcmp(a->scenario, b->scenario);
     }
     for (int i = 0; order == 0 && a->catalogue != NULL && i < a->catalogue->param_count; ++i) {
-        double x = param_value(a, a->catalogue->params[i].name);
-        double y = param_value(b, a->catalogue->params[i].name);
-        order = (x > y) - (x < y);
+        order = compare_params(a, b, a->catalogue->params[i].name);
+    }
+    const char *name;
+    json_t *value;
+    json_object_foreach((json_t *)a->params, name, value)
+    {
+        order = order == 0 && a->catalogue == NULL ? compare_params(a, b, name) : order;
     }
     if (order == 0) {
         order = (a->seed > b->seed) - (a->seed < b->seed);
@@ -168,22 +178,37 @@ static void append(char *text, size_t size, const char *part)
     snprintf(text + length, size - length, "%s", part);
 }
 
+static void add_param(pl_case *test_case, const char *name, const json_t *value, const char *unit)
+{
+    char number[PL_NUMBER_SIZE], part[128];
+    pl_format_given(json_number_value(value), unit, number);
+    snprintf(part, sizeof part, " %.50s=%.60s", name, number);
+    append(test_case->name, sizeof test_case->name, part);
+}
+
+/* The name has the parameters that are not at their defaults; of a scene file, whose defaults are not
+ * known, all. */
 static void name_case(pl_case *test_case)
 {
-    char part[128];
+    const pl_scenario *catalogue = test_case->catalogue;
+    const char *name;
+    json_t *value;
     snprintf(test_case->name, sizeof test_case->name, "%.120s", test_case->scenario);
-    for (int i = 0; test_case->catalogue != NULL && i < test_case->catalogue->param_count; ++i) {
-        const pl_param *param = &test_case->catalogue->params[i];
-        const json_t *value = json_object_get(test_case->params, param->name);
-        if (!json_is_number(value) || json_number_value(value) == param->value) {
-            continue;
+    for (int i = 0; catalogue != NULL && i < catalogue->param_count; ++i) {
+        const pl_param *param = &catalogue->params[i];
+        value = json_object_get(test_case->params, param->name);
+        if (json_is_number(value) && json_number_value(value) != param->value) {
+            add_param(test_case, param->name, value, param->unit);
         }
-        char number[PL_NUMBER_SIZE];
-        pl_format_given(json_number_value(value), param->unit, number);
-        snprintf(part, sizeof part, " %s=%.60s", param->name, number);
-        append(test_case->name, sizeof test_case->name, part);
+    }
+    json_object_foreach((json_t *)test_case->params, name, value)
+    {
+        if (catalogue == NULL && json_is_number(value)) {
+            add_param(test_case, name, value, strcmp(name, "dt") == 0 ? "s" : "1");
+        }
     }
     if (test_case->seed != 0) {
+        char part[128];
         snprintf(part, sizeof part, " seed=%" JSON_INTEGER_FORMAT, test_case->seed);
         append(test_case->name, sizeof test_case->name, part);
     }

@@ -107,12 +107,14 @@ static int set_number(json_t *object, const char *name, double value, bool integ
         object, name, integer ? json_integer((json_int_t)value) : pl_json_number_or_null(value));
 }
 
+/* The time step and the duration of a scene file are no parameters, unless they were given. */
 static json_t *params_json(const pl_run_view *run)
 {
     json_t *params = json_object();
-    for (int i = 0; run->descriptor != NULL && i < run->descriptor->param_count; ++i) {
+    for (int i = 0; i < run->descriptor->param_count; ++i) {
         const pl_param *param = &run->descriptor->params[i];
-        if (set_number(params, param->name, run->params[i], param->integer) != 0) {
+        if (!isnan(run->params[i]) &&
+            set_number(params, param->name, run->params[i], param->integer) != 0) {
             json_decref(params);
             return NULL;
         }

@@ -35,9 +35,9 @@ const char *pl_outcome_name(pl_outcome outcome);
 /* What identifies a run, and what is known of its engine. Everything is borrowed for the length of
  * a call. */
 typedef struct pl_run_view {
-    const char *scenario;          /* catalogue name, or the path of a scene file as given */
-    const pl_scenario *descriptor; /* NULL for a scene file */
-    const double *params;          /* (descriptor->param_count) */
+    const char *scenario; /* catalogue name, or the path of a scene file as given */
+    const pl_scenario *descriptor;
+    const double *params; /* (descriptor->param_count) */
     const char *scene_hash;
     const char *primary_error;
     double acceptance;   /* of the primary error; INFINITY: none is stated */

@@ -17,8 +17,7 @@ static pl_status note_case(pl_plan *plan, const pl_case *test_case, const char *
     bool failed = stream == NULL;
     if (!failed) {
         fprintf(stream, "%s\n%s", test_case->scene_hash, name);
-        for (int i = 0; test_case->descriptor != NULL && i < test_case->descriptor->param_count;
-             ++i) {
+        for (int i = 0; i < test_case->descriptor->param_count; ++i) {
             fprintf(stream, "\n%a", test_case->params[i]);
         }
         failed = fclose(stream) != 0;
@@ -72,7 +71,7 @@ static pl_status add_case(pl_plan *plan, pl_case *test_case, const char *name, p
         pl_scene_free(&test_case->scene);
         return status;
     }
-    if (plan->defers && test_case->descriptor != NULL) {
+    if (plan->defers && test_case->descriptor->file == NULL) {
         defer(test_case);
     }
     test_case->name = strdup(name);
@@ -98,15 +97,57 @@ pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_
     return status;
 }
 
+pl_status pl_plan_open_file(pl_plan *plan, const char *path, const pl_scenario **scenario,
+                            pl_error *error)
+{
+    pl_scenario *opened = NULL;
+    pl_status status = pl_scenario_open_file(path, &opened, error);
+    if (status == PL_OK) {
+        status =
+            pl_array_push(&plan->files, &plan->file_count, &opened, sizeof(pl_scenario *), error);
+    }
+    if (status != PL_OK) {
+        pl_scenario_close_file(opened);
+        return status;
+    }
+    *scenario = opened;
+    return PL_OK;
+}
+
+void pl_plan_take_files(pl_plan *plan, pl_plan *from)
+{
+    plan->files = from->files;
+    plan->file_count = from->file_count;
+    from->files = NULL;
+    from->file_count = 0;
+}
+
+/* Divides the time step by the plan's refinement; that of a scene file is in its scene. */
+static pl_status refine_step(const pl_plan *plan, const pl_scenario *scenario, double *params,
+                             pl_error *error)
+{
+    pl_scene scene = pl_scene_default();
+    double *dt = &params[pl_scenario_param(scenario, "dt")];
+    pl_status status = PL_OK;
+    if (plan->variation.refinement <= 1) {
+        return PL_OK;
+    }
+    if (isnan(*dt)) {
+        status = pl_scenario_build(scenario, params, plan->seed, &scene, error);
+        *dt = scene.dt;
+        pl_scene_free(&scene);
+    }
+    *dt /= plan->variation.refinement;
+    return status;
+}
+
 pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
                                const char *const *settings, int count, pl_error *error)
 {
     pl_case test_case = {.descriptor = scenario, .scene = pl_scene_default()};
     pl_status status = pl_scenario_values(scenario, settings, count, test_case.params, error);
-    for (int i = 0; i < scenario->param_count && plan->variation.refinement > 1; ++i) {
-        if (strcmp(scenario->params[i].name, "dt") == 0) {
-            test_case.params[i] /= plan->variation.refinement;
-        }
+    if (status == PL_OK) {
+        status = refine_step(plan, scenario, test_case.params, error);
     }
     if (status == PL_OK) {
         status = pl_scenario_build(scenario, built_with(&plan->variation, test_case.params),
@@ -117,10 +158,14 @@ pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
 
 void pl_settings_make(const pl_scenario *scenario, const double *values, pl_settings *settings)
 {
+    settings->count = 0;
     for (int i = 0; i < scenario->param_count; ++i) {
-        snprintf(settings->texts[i], sizeof settings->texts[i], "%s=%.17g",
-                 scenario->params[i].name, values[i]);
-        settings->items[i] = settings->texts[i];
+        if (!isnan(values[i])) {
+            char *text = settings->texts[settings->count];
+            snprintf(text, sizeof settings->texts[0], "%s=%.17g", scenario->params[i].name,
+                     values[i]);
+            settings->items[settings->count++] = text;
+        }
     }
 }
 
@@ -130,8 +175,7 @@ pl_status pl_plan_add_values(pl_plan *plan, const pl_scenario *scenario, const d
     pl_settings settings;
     pl_settings_make(scenario, values, &settings);
     const int before = plan->case_count;
-    pl_status status =
-        pl_plan_add_scenario(plan, scenario, settings.items, scenario->param_count, error);
+    pl_status status = pl_plan_add_scenario(plan, scenario, settings.items, settings.count, error);
     if (index != NULL) {
         *index = plan->case_count > before ? before : -1;
         for (int i = 0; i < before && status == PL_OK && *index < 0; ++i) {
@@ -144,71 +188,6 @@ pl_status pl_plan_add_values(pl_plan *plan, const pl_scenario *scenario, const d
         }
     }
     return status;
-}
-
-static pl_status override_times(pl_scene *scene, const char *path, double dt, double duration,
-                                pl_error *error)
-{
-    if (!isnan(duration) &&
-        (scene->travel_count > 0 || scene->value_count > 0 || scene->statistic_count > 0)) {
-        return pl_fail(
-            error, PL_BAD_INPUT,
-            "%s: --duration cannot replace the duration of a scene that expects a travel, a "
-            "value or a statistic: they hold for %g s",
-            path, scene->duration);
-    }
-    if (isnan(dt) && isnan(duration)) {
-        return PL_OK;
-    }
-    scene->dt = isnan(dt) ? scene->dt : dt;
-    scene->duration = isnan(duration) ? scene->duration : duration;
-    for (int i = 0; i < scene->travel_count && !isnan(dt); ++i) {
-        scene->travels[i].discrete = NAN;
-    }
-    for (int i = 0; i < scene->value_count && !isnan(dt); ++i) {
-        scene->values[i].discrete = NAN;
-    }
-    return pl_scene_validate(scene, error);
-}
-
-pl_status pl_plan_add_scene_file(pl_plan *plan, const char *path, double dt, double duration,
-                                 pl_error *error)
-{
-    pl_case test_case = {.scene = pl_scene_default()};
-    pl_status status = pl_scene_read_file(path, &test_case.scene, error);
-    if (status == PL_OK) {
-        const int refinement = plan->variation.refinement > 1 ? plan->variation.refinement : 1;
-        const double step = isnan(dt) ? test_case.scene.dt : dt;
-        status = override_times(&test_case.scene, path, refinement > 1 ? step / refinement : dt,
-                                duration, error);
-    }
-    if (status != PL_OK) {
-        pl_scene_free(&test_case.scene);
-        return status;
-    }
-    return add_case(plan, &test_case, path, error);
-}
-
-pl_status pl_plan_add_copy(pl_plan *plan, const pl_case *original, pl_error *error)
-{
-    pl_case test_case = {.scene = pl_scene_default()};
-    const int refinement = plan->variation.refinement;
-    char *text = pl_scene_to_text(&original->scene);
-    if (text == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %s", original->name);
-    }
-    pl_status status =
-        pl_scene_read_text(text, strlen(text), original->name, &test_case.scene, error);
-    free(text);
-    if (status == PL_OK && refinement > 1) {
-        status = override_times(&test_case.scene, original->name, original->scene.dt / refinement,
-                                NAN, error);
-    }
-    if (status != PL_OK) {
-        pl_scene_free(&test_case.scene);
-        return status;
-    }
-    return add_case(plan, &test_case, original->name, error);
 }
 
 static bool is_same_choice(const pl_engine_choice *a, const pl_engine_choice *b)
@@ -348,6 +327,10 @@ void pl_plan_free(pl_plan *plan)
         free(plan->cases[i].name);
         pl_scene_free(&plan->cases[i].scene);
     }
+    for (int i = 0; i < plan->file_count; ++i) {
+        pl_scenario_close_file(plan->files[i]);
+    }
+    free(plan->files);
     free(plan->cases);
     free(plan->configurations);
     free(plan->pairings);

@@ -21,10 +21,10 @@ typedef struct pl_variation {
 
 /* A scene with its time step, and where it comes from. */
 typedef struct pl_case {
-    char *name;                    /* catalogue name, or the path of a scene file as given */
-    const pl_scenario *descriptor; /* NULL for a scene file */
-    double params[PL_MAX_PARAMS];
-    pl_scene scene; /* of a deferred one only dt, duration and primary_error */
+    char *name; /* catalogue name, or the path of a scene file as given */
+    const pl_scenario *descriptor;
+    double params[PL_MAX_PARAMS]; /* (descriptor->param_count) */
+    pl_scene scene;               /* of a deferred one only dt, duration and primary_error */
     char scene_hash[17];
     pl_variation variation;
     bool deferred; /* pl_plan_build_scene makes its scene */
@@ -44,6 +44,8 @@ typedef struct pl_pairing {
 
 /* Starts as {.repeats = N}. */
 typedef struct pl_plan {
+    pl_scenario **files; /* (file_count): the scene files, which the plan closes */
+    int file_count;
     pl_case *cases;
     int case_count;
     pl_configuration *configurations;
@@ -60,35 +62,33 @@ typedef struct pl_plan {
     json_t *known;          /* a set: what tells the cases apart; the plan's own */
 } pl_plan;
 
-/* Adds a catalogue scenario with `count` settings "NAME=VALUE". A case that the plan already has is
- * not added again. */
+/* Opens a scene file ("-" is standard input) as a scenario, which lives as long as the plan. Errors as
+ * pl_scenario_open_file. */
+pl_status pl_plan_open_file(pl_plan *plan, const char *path, const pl_scenario **scenario,
+                            pl_error *error);
+
+/* Moves the scene files of another plan into one that has none. */
+void pl_plan_take_files(pl_plan *plan, pl_plan *from);
+
+/* Adds a scenario with `count` settings "NAME=VALUE". A case that the plan already has is not added
+ * again. */
 pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
                                const char *const *settings, int count, pl_error *error);
 
-/* Adds a catalogue scenario with a value for each of its parameters. *index is the place of the
+/* Adds a scenario with a value for each of its parameters. *index is the place of the
  * case with these values in the plan, -1 when another case has the same scene; NULL allowed. */
 pl_status pl_plan_add_values(pl_plan *plan, const pl_scenario *scenario, const double *values,
                              int *index, pl_error *error);
 
-/* Settings "NAME=VALUE" of all parameters of a scenario, exact. */
+/* Settings "NAME=VALUE" of the parameters of a scenario, exact. */
 typedef struct pl_settings {
     char texts[PL_MAX_PARAMS][PL_NAME_SIZE + 32];
-    const char *items[PL_MAX_PARAMS]; /* (param_count): the texts */
+    const char *items[PL_MAX_PARAMS]; /* (count): the texts */
+    int count;
 } pl_settings;
 
-/* Writes the settings of `values`, one for each parameter. */
+/* Writes the settings of `values`, one for each parameter that is not NAN. */
 void pl_settings_make(const pl_scenario *scenario, const double *values, pl_settings *settings);
-
-/* Adds a scene file ("-" is standard input). A `dt` or `duration` that is not NAN replaces the
- * scene's: expected travels then lose their discrete answer, and a new duration for a scene with
- * travels, values or statistics, which hold for its own, is PL_BAD_INPUT. */
-pl_status pl_plan_add_scene_file(pl_plan *plan, const char *path, double dt, double duration,
-                                 pl_error *error);
-
-/* Adds a copy of a case of a scene file, also of one that was read from standard input, with the
- * variation of the plan. Its time step is that of `original` divided by the refinement. Returns as
- * pl_plan_add_scene_file. */
-pl_status pl_plan_add_copy(pl_plan *plan, const pl_case *original, pl_error *error);
 
 /* Adds an engine by its SPEC. A configuration that the plan already has is not added again; another
  * one of the same label is PL_BAD_INPUT, because their rows could not be distinguished. */

@@ -17,8 +17,8 @@
  * and an upper bound on M, linear in H. The arch stands iff for some H the bounds do not cross;
  * their distance is concave in H. The forces may be taken as symmetric, because they could be
  * averaged with their mirror image. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 
@@ -98,14 +98,13 @@ static double critical(const double *values)
     return values[ARCH_FRICTION] >= 1 ? arch_limit((int)values[ARCH_COUNT]) : (double)NAN;
 }
 
-static const pl_threshold threshold = {"thickness",
-                                       0.06,
-                                       0.2,
-                                       false,
-                                       1e-5,
-                                       critical,
-                                       "the least thickness with a line of thrust within all "
-                                       "joints"};
+static const pl_threshold threshold = {.param = "thickness",
+                                       .low = 0.06,
+                                       .high = 0.2,
+                                       .tolerance = 1e-5,
+                                       .critical = critical,
+                                       .formula = "the least thickness with a line of thrust "
+                                                  "within all joints"};
 
 /* A voussoir about the point of radius 1 at its middle; its z axis points outward. */
 static pl_shape add_voussoir(pl_builder *b, int count, double thickness)

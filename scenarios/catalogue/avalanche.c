@@ -6,9 +6,9 @@
  * `distance` from the foot and about four times as long and as wide as it is high. The motion is
  * chaotic and has no closed form; it is judged by what all right answers have in common: see
  * converged.c. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
 #include "solids.h"
-#include "trigonometry.h"
 
 #include <stdio.h>
 

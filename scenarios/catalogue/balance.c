@@ -1,7 +1,7 @@
 /* Bodies at rest at the limit of balance or friction: an overhanging stack, a ladder, a house of
  * cards. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 
@@ -34,8 +34,13 @@ static double overhang_critical(const double *values)
     return 1;
 }
 
-static const pl_threshold overhang_threshold = {"factor",          0.5, 1.3, true, 1e-5,
-                                                overhang_critical, "1"};
+static const pl_threshold overhang_threshold = {.param = "factor",
+                                                .low = 0.5,
+                                                .high = 1.3,
+                                                .holds_below = true,
+                                                .tolerance = 1e-5,
+                                                .critical = overhang_critical,
+                                                .formula = "1"};
 
 static void overhang_build(pl_builder *b, const double *values)
 {
@@ -108,8 +113,12 @@ static double ladder_critical(const double *values)
            PL_RADIANS_PER_DEGREE;
 }
 
-static const pl_threshold ladder_threshold = {
-    "angle", 10, 86, false, 2e-4, ladder_critical, "atan(1 / (2 friction + thickness))"};
+static const pl_threshold ladder_threshold = {.param = "angle",
+                                              .low = 10,
+                                              .high = 86,
+                                              .tolerance = 2e-4,
+                                              .critical = ladder_critical,
+                                              .formula = "atan(1 / (2 friction + thickness))"};
 
 static void ladder_build(pl_builder *b, const double *values)
 {

@@ -1,6 +1,6 @@
 /* Rows of dominoes along x or a spiral, the first of them tipped over. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 

@@ -1,9 +1,9 @@
 /* Surfaces of triangles that are one plane: a cube that rests and one that slides on a tessellated slab,
  * and a ball that rolls over it. An edge between two triangles of one plane is no edge of the solid: each
  * moves as over a box. Engines that collide with these edges have "ghost collisions". */
+#include "base/trigonometry.h"
 #include "catalogue.h"
 #include "solids.h"
-#include "trigonometry.h"
 
 #include <math.h>
 

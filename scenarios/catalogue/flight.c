@@ -1,6 +1,6 @@
 /* Free motion of the centre of mass: falling, thrown, under thrust. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 

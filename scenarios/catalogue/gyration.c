@@ -1,6 +1,6 @@
 /* Free and gyroscopic rotation: a box without torque, and a top. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 

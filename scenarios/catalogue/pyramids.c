@@ -94,8 +94,12 @@ static double cylinder_pyramid_critical(const double *values)
     return values[CYLINDER_PYRAMID_FLOOR_FRICTION] > tangent / 3 ? tangent : (double)NAN;
 }
 
-static const pl_threshold cylinder_pyramid_threshold = {
-    "friction", 0, 1, false, 1e-5, cylinder_pyramid_critical, "tan 15 deg = 2 - sqrt(3)"};
+static const pl_threshold cylinder_pyramid_threshold = {.param = "friction",
+                                                        .low = 0,
+                                                        .high = 1,
+                                                        .tolerance = 1e-5,
+                                                        .critical = cylinder_pyramid_critical,
+                                                        .formula = "tan 15 deg = 2 - sqrt(3)"};
 
 static void cylinder_pyramid_build(pl_builder *b, const double *values)
 {
@@ -159,8 +163,12 @@ static double sphere_pyramid_critical(const double *values)
     return values[SPHERE_PYRAMID_FLOOR_FRICTION] > tangent / 4 ? tangent : (double)NAN;
 }
 
-static const pl_threshold sphere_pyramid_threshold = {
-    "friction", 0, 1, false, 1e-5, sphere_pyramid_critical, "sqrt(3) - sqrt(2)"};
+static const pl_threshold sphere_pyramid_threshold = {.param = "friction",
+                                                      .low = 0,
+                                                      .high = 1,
+                                                      .tolerance = 1e-5,
+                                                      .critical = sphere_pyramid_critical,
+                                                      .formula = "sqrt(3) - sqrt(2)"};
 
 static void sphere_pyramid_build(pl_builder *b, const double *values)
 {

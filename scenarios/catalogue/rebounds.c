@@ -1,7 +1,7 @@
 /* Impacts of spheres on the floor: straight and with restitution, alone and side by side, and oblique
  * with spin. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* Free and rolling motion that users of engines reported: fast, slanted and long rolls, and the box of
  * the Gazebo benchmark, which tumbles about its middle axis. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 #include <string.h>

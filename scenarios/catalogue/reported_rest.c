@@ -1,9 +1,9 @@
 /* Bodies at rest that users of engines reported: heavy on light, round and small ones, a body wider than
  * its support, hulls, and bodies that touch or overlap a little at the start. All rest where they are
  * expected to, to 1 % of their size and 0.01 rad, unless the text says otherwise. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
 #include "solids.h"
-#include "trigonometry.h"
 
 #include <math.h>
 #include <stdio.h>

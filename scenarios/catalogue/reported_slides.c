@@ -1,8 +1,8 @@
 /* Slides that users of engines reported: fast, down a grid of ramps, until they stop, pushed along and
  * across the axes, and along an axis of the body alone. Friction acts against the path whatever the
  * distribution of the weight, so that a body that stays flat keeps its line and its heading. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* Bodies that roll: down a slope, from skidding to rolling, and balls on a box that is pushed. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
 #include "solids.h"
-#include "trigonometry.h"
 
 #include <math.h>
 #include <stdio.h>

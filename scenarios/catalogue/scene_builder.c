@@ -1,7 +1,8 @@
 #include "scene_builder.h"
 
+#include "base/trigonometry.h"
 #include "converged.h"
-#include "trigonometry.h"
+#include "scene_family.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -15,17 +16,16 @@ const double pl_axis_x[3] = {1, 0, 0}, pl_axis_y[3] = {0, 1, 0}, pl_axis_z[3] = 
 /* The value of the parameter of that name; 0 where the scenario has none. */
 static double value_of(const pl_scenario *scenario, const double *values, const char *name)
 {
-    for (int i = 0; i < scenario->param_count; ++i) {
-        if (strcmp(scenario->params[i].name, name) == 0) {
-            return values[i];
-        }
-    }
-    return 0;
+    const int index = pl_scenario_param(scenario, name);
+    return index >= 0 ? values[index] : 0;
 }
 
 pl_status pl_scenario_build(const pl_scenario *scenario, const double *values, uint64_t seed,
                             pl_scene *scene, pl_error *error)
 {
+    if (scenario->file != NULL) {
+        return pl_scene_family_build(scenario, values, scene, error);
+    }
     const pl_material material = {.name = "block",
                                   .friction = value_of(scenario, values, "friction"),
                                   .restitution = value_of(scenario, values, "restitution")};

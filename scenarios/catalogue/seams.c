@@ -1,7 +1,7 @@
 /* Bodies on others that end beside or under them: slides and falls along rows of flush bodies, two bodies
  * that pass each other, and a cube that bounces on a pedestal smaller than itself. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* Bodies that slide over a level floor: blocks until friction stops them, and a rod on its end. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 #include <stdio.h>

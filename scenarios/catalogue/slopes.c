@@ -4,8 +4,8 @@
  * The plane goes through the origin with normal n = (sin a, 0, cos a), so downhill is
  * t = (cos a, 0, -sin a). The block of 1 kg lies on it, turned by a about y. Except in slope-tip
  * its half extents are (0.5, 0.5, 0.25) m. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 #include <math.h>
 
@@ -147,8 +147,13 @@ static double slope_threshold_critical(const double *values)
     return atan(values[SLOPE_THRESHOLD_FRICTION]) / PL_RADIANS_PER_DEGREE;
 }
 
-static const pl_threshold slope_threshold_threshold = {
-    "angle", 0, 80, true, 2e-4, slope_threshold_critical, "atan(friction)"};
+static const pl_threshold slope_threshold_threshold = {.param = "angle",
+                                                       .low = 0,
+                                                       .high = 80,
+                                                       .holds_below = true,
+                                                       .tolerance = 2e-4,
+                                                       .critical = slope_threshold_critical,
+                                                       .formula = "atan(friction)"};
 
 static void slope_threshold_build(pl_builder *b, const double *values)
 {
@@ -198,13 +203,14 @@ static double slope_tip_critical(const double *values)
     return atan(fmin(values[SLOPE_TIP_FRICTION], values[SLOPE_TIP_WIDTH])) / PL_RADIANS_PER_DEGREE;
 }
 
-static const pl_threshold slope_tip_threshold = {"angle",
-                                                 0,
-                                                 85,
-                                                 true,
-                                                 2e-4,
-                                                 slope_tip_critical,
-                                                 "atan(min(friction, half width / half height))"};
+static const pl_threshold slope_tip_threshold = {
+    .param = "angle",
+    .low = 0,
+    .high = 85,
+    .holds_below = true,
+    .tolerance = 2e-4,
+    .critical = slope_tip_critical,
+    .formula = "atan(min(friction, half width / half height))"};
 
 static void slope_tip_build(pl_builder *b, const double *values)
 {

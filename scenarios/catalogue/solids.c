@@ -1,6 +1,6 @@
 #include "solids.h"
 
-#include "trigonometry.h"
+#include "base/trigonometry.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* Bodies that spin on a level floor: until friction stops them, in place and while they slide, and a
  * coin that rolls on its edge for ever. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
 #include "solids.h"
-#include "trigonometry.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Towers of unit cubes at rest, by statics: single ones, a field of them, with a heavy cube on top,
  * at long steps, far from the origin and with an initial overlap. */
+#include "base/trigonometry.h"
 #include "catalogue.h"
-#include "trigonometry.h"
 
 static const double half = 0.5; /* m, of a cube */
 

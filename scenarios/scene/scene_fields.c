@@ -141,10 +141,14 @@ static bool is_judged(const void *object)
 
 static const pl_field scene_fields[] = {
     {"plumb_scene", PL_FIELD_VERSION, .line = 1, ALWAYS,
-     .about = "version of this format: 1, or 2 where an expectation has a tolerance, a bound, a "
+     .about = "version of this format: 1, or 2 where there are parameters, or an expectation has a "
+              "tolerance, a bound, a "
               "number, or a quantity without direction; both are read alike"},
     {"name", PL_FIELD_NAME, offsetof(pl_scene, name), .line = 2, .omit_default = true,
      .about = "for reports"},
+    {"parameters", PL_FIELD_PARAMETERS, .line = 3, .items = PL_OBJECT_PARAMETER,
+     .most = PL_MAX_SCENE_PARAMETERS,
+     .about = "by name; each is used, and is a number or an object"},
     {"gravity", PL_FIELD_VECTOR, offsetof(pl_scene, gravity), .line = 3, DEFAULTED,
      .unit = "m/s^2"},
     {"dt", PL_FIELD_NUMBER, offsetof(pl_scene, dt), .line = 4, DEFAULTED, POSITIVE, .unit = "s",
@@ -361,8 +365,22 @@ static const pl_field statistic_fields[] = {
      .about = "in the metric's unit; without it the scene's acceptance, times the scale"},
 };
 
+static const pl_field parameter_fields[] = {
+    {"value", PL_FIELD_NUMBER, offsetof(pl_scene_parameter, value), ALWAYS, .about = "the default"},
+    {"low", PL_FIELD_NUMBER, offsetof(pl_scene_parameter, low),
+     .about = "the least value allowed; without it there is none"},
+    {"high", PL_FIELD_NUMBER, offsetof(pl_scene_parameter, high),
+     .about = "the largest value allowed, above low; without it there is none"},
+    {"unit", PL_FIELD_NAME, offsetof(pl_scene_parameter, unit),
+     .about = "\"1\" if it is not given"},
+    {"description", PL_FIELD_TEXT, offsetof(pl_scene_parameter, description),
+     .about = "a line for people"},
+};
+
 /* ---- Objects ---- */
 
+static const pl_scene_parameter parameter_defaults = {
+    .low = -(double)INFINITY, .high = (double)INFINITY, .unit = "1"};
 static const pl_scene scene_defaults = {.gravity = {0, 0, -9.81},
                                         .dt = 1.0 / 60,
                                         .duration = 5,
@@ -430,4 +448,7 @@ const pl_object pl_objects[PL_OBJECT_COUNT] = {
                          .about = "a number that is read from the path of one body"},
     [PL_OBJECT_STATISTIC] = {"statistic", OF(statistic_fields, no_statistic),
                              .about = "where a number of the final state lies in nine of ten right "
-                                      "runs of a chaotic scene"}};
+                                      "runs of a chaotic scene"},
+    [PL_OBJECT_PARAMETER] = {"parameter", OF(parameter_fields, parameter_defaults),
+                             .about = "a number that other fields name. --set NAME=VALUE overrides "
+                                      "its value"}};

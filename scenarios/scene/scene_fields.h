@@ -32,7 +32,9 @@ typedef enum pl_field_type {
     PL_FIELD_POINTS,      /* an array of vectors: the vertices of a pl_shape's polyhedron */
     PL_FIELD_TRIANGLES,   /* an array of three indices each: its triangles */
     PL_FIELD_DENSITY,     /* a number in place of the mass; nothing in C */
-    PL_FIELD_FILE         /* the name of a file; nothing in C */
+    PL_FIELD_FILE,        /* the name of a file; nothing in C */
+    PL_FIELD_TEXT,        /* char[PL_TEXT_SIZE] */
+    PL_FIELD_PARAMETERS   /* an object of parameters by name (scene_parameters.h); nothing in C */
 } pl_field_type;
 
 /* The range of a number, or of each component of a vector. */
@@ -71,8 +73,24 @@ typedef enum pl_object_kind {
     PL_OBJECT_TRAVEL,
     PL_OBJECT_VALUE,
     PL_OBJECT_STATISTIC,
+    PL_OBJECT_PARAMETER,
     PL_OBJECT_COUNT
 } pl_object_kind;
+
+/* The size of a text that describes something, in bytes. */
+enum { PL_TEXT_SIZE = 256 };
+
+/* The most parameters of a scene file: a scenario has two more, dt and duration. */
+enum { PL_MAX_SCENE_PARAMETERS = 14 };
+
+/* A parameter of a scene file. */
+typedef struct pl_scene_parameter {
+    char name[PL_NAME_SIZE];
+    double value;     /* the default */
+    double low, high; /* the range, -INFINITY and INFINITY where it is not given */
+    char unit[PL_NAME_SIZE];
+    char description[PL_TEXT_SIZE]; /* a line for people; may be empty */
+} pl_scene_parameter;
 
 /* A field of an object. */
 typedef struct pl_field {

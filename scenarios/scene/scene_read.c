@@ -1,11 +1,13 @@
 /* Scene files: their text to a scene, object by object, by the table of fields. This file has the
  * rules that only the text shows: keys, types, names that refer to others, and defaults that depend
  * on other fields. The rules of the numbers are in scene_check.c. */
+#include "scene_read.h"
 #include "base/file_text.h"
 #include "base/json_text.h"
 #include "base/name_index.h"
 #include "scene_check.h"
 #include "scene_internal.h"
+#include "scene_parameters.h"
 #include "scene_read_fields.h"
 #include "scene_read_shape.h"
 #include "scene_scan.h"
@@ -411,23 +413,36 @@ static bool read_object(reader *r, const json_t *json, pl_object_kind kind, void
     return right;
 }
 
-/* ---- Files ---- */
+/* ---- Texts ---- */
 
-/* A scene to fill, and the folder of files that it names. */
+/* A scene to fill, and how. */
 typedef struct request {
+    const pl_scene_text *source;
     pl_scene *scene;
-    const char *folder;    /* with a / at its end; "": the working directory; NULL: there is none */
     pl_json_items *bodies; /* as in the reader */
 } request;
+
+/* The bodies of a scene with parameters are not read apart, since they are texts there. */
+static bool substitute(const json_t *json, const request *wanted, pl_diagnostic *diagnostic)
+{
+    pl_scene_parameters parameters;
+    if (wanted->bodies != NULL) {
+        return json_object_get(json, "parameters") == NULL;
+    }
+    return pl_read_parameters(json, &parameters, diagnostic) &&
+           pl_substitute_parameters((json_t *)json, &parameters, wanted->source->values,
+                                    diagnostic);
+}
 
 static bool read_scene(const json_t *json, void *user, pl_diagnostic *diagnostic)
 {
     const request *wanted = user;
     reader r = {.scene = wanted->scene, .bodies = wanted->bodies};
     r.shapes = (pl_shape_reader){
-        .scene = wanted->scene, .folder = wanted->folder, .diagnostic = &r.diagnostic};
-    const bool right =
-        read_object(&r, json, PL_OBJECT_SCENE, r.scene) && pl_scene_check(r.scene, &r.diagnostic);
+        .scene = wanted->scene, .folder = wanted->source->folder, .diagnostic = &r.diagnostic};
+    const bool right = substitute(json, wanted, &r.diagnostic) &&
+                       read_object(&r, json, PL_OBJECT_SCENE, r.scene) &&
+                       pl_scene_check(r.scene, &r.diagnostic);
     pl_shape_reader_free(&r.shapes);
     pl_name_index_free(&r.body_names);
     *diagnostic = r.diagnostic;
@@ -439,19 +454,20 @@ static const pl_json_kind scene_kind = {
 
 /* Reads the text with its bodies one by one. False at any fault, which is not described, and for text
  * of another form; the scene then has some of it. */
-static bool read_in_parts(const char *text, size_t length, const request *wanted)
+static bool read_in_parts(const request *wanted)
 {
     pl_json_items bodies;
     size_t rest_length = 0;
-    const size_t mark = pl_byte_order_mark(text, length);
-    text += mark;
-    length -= mark;
-    char *rest = length > scene_kind.most_bytes
+    const pl_scene_text *source = wanted->source;
+    const size_t mark = pl_byte_order_mark(source->text, source->length);
+    const char *text = source->text + mark;
+    const size_t length = source->length - mark;
+    char *rest = length > PL_MAX_SCENE_BYTES
                      ? NULL
                      : pl_json_take_out(text, length, "bodies", &bodies, &rest_length);
     json_t *json = rest == NULL ? NULL : pl_json_parse(rest, rest_length);
     pl_diagnostic unused = {.status = PL_OK};
-    request apart = {.scene = wanted->scene, .folder = wanted->folder, .bodies = &bodies};
+    request apart = {.scene = wanted->scene, .source = source, .bodies = &bodies};
     const bool right = json != NULL && read_scene(json, &apart, &unused);
     json_decref(json);
     free(rest);
@@ -459,48 +475,19 @@ static bool read_in_parts(const char *text, size_t length, const request *wanted
 }
 
 /* A text with a fault is read again as a whole, to say where the fault is. */
-static pl_status read_text(const char *text, size_t length, const char *label, request *wanted,
-                           pl_error *error)
+pl_status pl_scene_read(const pl_scene_text *source, pl_scene *scene, pl_error *error)
 {
-    *wanted->scene = pl_scene_default();
-    if (read_in_parts(text, length, wanted)) {
+    request wanted = {.source = source, .scene = scene};
+    *scene = pl_scene_default();
+    if (read_in_parts(&wanted)) {
         return PL_OK;
     }
-    pl_scene_free(wanted->scene);
-    *wanted->scene = pl_scene_default();
-    const pl_status status = pl_json_read_text(&scene_kind, text, length, label, wanted, error);
-    if (status != PL_OK) {
-        pl_scene_free(wanted->scene);
-    }
-    return status;
-}
-
-pl_status pl_scene_read_text(const char *text, size_t length, const char *label, pl_scene *scene,
-                             pl_error *error)
-{
-    request wanted = {.scene = scene};
-    return read_text(text, length, label, &wanted, error);
-}
-
-pl_status pl_scene_read_file(const char *path, pl_scene *scene, pl_error *error)
-{
-    const pl_file_kind kind = {.noun = scene_kind.noun, .most_bytes = scene_kind.most_bytes};
+    pl_scene_free(scene);
     *scene = pl_scene_default();
-    /* The path up to its last slash. */
-    const char *slash = strrchr(path, '/');
-    const size_t folder_length = slash == NULL ? 0 : (size_t)(slash + 1 - path);
-    char *folder = calloc(folder_length + 1, 1), *text = NULL;
-    if (folder == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
+    const pl_status status =
+        pl_json_read_text(&scene_kind, source->text, source->length, source->label, &wanted, error);
+    if (status != PL_OK) {
+        pl_scene_free(scene);
     }
-    memcpy(folder, path, folder_length);
-    request wanted = {.scene = scene, .folder = folder};
-    size_t length = 0;
-    pl_status status = pl_file_read(&kind, path, &text, &length, error);
-    if (status == PL_OK) {
-        status = read_text(text, length, pl_file_label(path), &wanted, error);
-        free(text);
-    }
-    free(folder);
     return status;
 }

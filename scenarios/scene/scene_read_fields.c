@@ -1,5 +1,7 @@
 #include "scene_read_fields.h"
 
+#include "base/text_buffer.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -43,6 +45,25 @@ bool pl_read_word(const json_t *object, const char *key, pl_presence presence,
                                              pl_quoted(word, quoted));
 }
 
+/* A line of text, which may be absent. */
+static bool read_text(const json_t *object, const char *key, char text[PL_TEXT_SIZE],
+                      pl_diagnostic *diagnostic)
+{
+    const char *read = NULL;
+    if (!pl_json_string(object, key, PL_OPTIONAL, "a text", &read, diagnostic)) {
+        return false;
+    }
+    if (read != NULL && strlen(read) >= PL_TEXT_SIZE) {
+        return pl_diagnose_field(diagnostic, key, "expected a text of at most %d bytes, found %zu",
+                                 PL_TEXT_SIZE - 1, strlen(read));
+    }
+    if (read != NULL) {
+        memcpy(text, read, strlen(read) + 1);
+        pl_make_plain(text);
+    }
+    return true;
+}
+
 bool pl_read_field(const json_t *object, const pl_field *field, void *item,
                    pl_diagnostic *diagnostic)
 {
@@ -68,6 +89,8 @@ bool pl_read_field(const json_t *object, const pl_field *field, void *item,
         return pl_json_bool(object, key, value, diagnostic);
     case PL_FIELD_NAME:
         return pl_json_name(object, key, presence, value, diagnostic);
+    case PL_FIELD_TEXT:
+        return read_text(object, key, value, diagnostic);
     case PL_FIELD_WORD:
         memcpy(&index, value, sizeof index); /* an enumeration has the size of an int */
         if (!pl_read_word(object, key, presence, field->words, field->word_count, &index,

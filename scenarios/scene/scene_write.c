@@ -263,6 +263,7 @@ static bool is_written(const writer *w, const pl_object *table, const pl_field *
     switch (field->type) {
     case PL_FIELD_DENSITY:
     case PL_FIELD_FILE:
+    case PL_FIELD_PARAMETERS:
         return false;
     case PL_FIELD_INERTIA: {
         const pl_body *body = object;
@@ -373,8 +374,7 @@ static void put_value(writer *w, const pl_field *field, const void *object, int 
         put_triangles(json, (const int(*)[3])p->triangles, p->triangle_count);
         break;
     }
-    case PL_FIELD_DENSITY:
-    case PL_FIELD_FILE:
+    default: /* nothing in C */
         break;
     }
 }

@@ -48,7 +48,7 @@ static void test_usage_errors_exit_2_and_suggest_a_name(void **state)
         {"compare tower --engine plum", "plumb"},
         {"compare @ --engine %:god", "good"},
         {"compare tower --set m=3 --engine %", "no chosen scenario has the parameter m"},
-        {"compare @ --set n=3 --engine %", "a scene file has no parameters"},
+        {"compare @ --set n=3 --engine %", "no chosen scenario has the parameter n"},
         {"compare tower --set n --engine %", "--set takes NAME=VALUE"},
         {"compare tower --set n=lots --engine %", "n"},
         {"compare @ --dt 0 --engine %", "--dt takes seconds"},

@@ -106,7 +106,7 @@ static void test_misspelt_parameter_names_its_option(void **state)
     check_refused(state,
                   (const char *const[]){"ensemble", f->scene, "--engine", "plumb", "--against",
                                         "friction=0.4", "--out", f->out, NULL},
-                  "--against friction=0.4: a scene file has no parameters", "--set");
+                  "--against friction=0.4: no chosen scenario has the parameter", "--set");
 }
 
 static void test_members_that_hang_are_rows_of_the_ensemble(void **state)

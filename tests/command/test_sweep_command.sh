@@ -13,7 +13,6 @@ runs() {
 }
 
 expect 2 'name a scenario, a scene file or a --suite' sweep
-expect 2 'standard input can be read once' sweep -
 expect 2 'did you mean iterations' sweep free-fall --vary itertions=1
 expect 2 'is empty: a range goes up' sweep free-fall --vary dt=1/60..1/240
 expect 2 'is endless' sweep free-fall --vary dt=1/240..1/60:x1

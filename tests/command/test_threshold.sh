@@ -6,7 +6,7 @@ command=threshold
 source "$SOURCE/tests/support/command.sh"
 
 expect 2 'which scenario' --engine plumb
-expect 2 'tower has no threshold; these have one: .*slope-threshold' tower
+expect 2 'tower has no threshold: choose a parameter by --vary.*these have one: .*slope-threshold' tower
 expect 2 'the suite has no threshold' --suite paper
 expect 2 'did you mean "slope-threshold"' slope-treshold
 expect 2 'angle is what is searched for' slope-threshold --set angle=20

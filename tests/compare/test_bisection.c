@@ -18,7 +18,9 @@ static bool holds(const fake *f, double value)
 static pl_bisection search(const fake *f, double low, double high, bool holds_below,
                            double tolerance)
 {
-    pl_bisection b = pl_bisection_begin(low, high, holds_below, tolerance);
+    const pl_threshold threshold = {
+        .low = low, .high = high, .holds_below = holds_below, .tolerance = tolerance};
+    pl_bisection b = pl_bisection_begin(&threshold);
     const int most = pl_bisection_most_trials(&b);
     while (b.state == PL_BISECTION_SEARCHING) {
         double value = pl_bisection_next(&b);
@@ -45,6 +47,23 @@ static void test_bracket_contains_the_value_at_requested_width(void **state)
         assert_int_equal(holds(&f, b.high), !below);
         /* Both ends, and a halving for each power of two. */
         assert_int_equal(b.trials, 2 + (int)fmax(0, ceil(log2((high + 2) / tolerance))));
+    }
+}
+
+static void test_side_is_learnt_where_it_is_not_known(void **state)
+{
+    (void)state;
+    for (int below = 0; below < 2; ++below) {
+        const fake f = {.critical = 0.3, .holds_below = below};
+        const pl_threshold threshold = {
+            .low = 0, .high = 1, .holds_below = !below, .either_side = true, .tolerance = 1e-3};
+        pl_bisection b = pl_bisection_begin(&threshold);
+        while (b.state == PL_BISECTION_SEARCHING) {
+            pl_bisection_take(&b, holds(&f, pl_bisection_next(&b)));
+        }
+        assert_int_equal(b.state, PL_BISECTION_FOUND);
+        assert_int_equal(b.holds_below, below);
+        assert_true(b.low <= 0.3 && 0.3 <= b.high);
     }
 }
 
@@ -84,6 +103,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bracket_contains_the_value_at_requested_width),
+        cmocka_unit_test(test_side_is_learnt_where_it_is_not_known),
         cmocka_unit_test(test_one_sided_engine_ends_after_both_ends),
         cmocka_unit_test(test_holding_at_the_wrong_end_is_reported),
         cmocka_unit_test(test_a_tolerance_too_small_ends_at_neighbouring_numbers),

@@ -118,7 +118,7 @@ static void test_bad_options_exit_2_and_write_nothing(void **state)
         {"pile --engine % --against frction=0.4", "did you mean friction?"},
         {"pile --engine % --against friction=-1", "friction"},
         {"pile --engine % --set n=0", "n: expected"},
-        {"@ --engine % --against friction=0.4", "a scene file has no parameters"},
+        {"@ --engine % --against friction=0.4", "no chosen scenario has the parameter"},
         {"- --engine %", "give a file"},
         {"./none.json --engine %", "./none.json"},
     };

@@ -25,7 +25,7 @@ static void test_usage_errors_exit_2_and_suggest_a_name(void **state)
         {"towr", NULL, NULL, NULL, "did you mean \"tower\"?"},
         {"tower", "--check", "rotat", NULL, "did you mean \"rotate\"?"},
         {"tower", "--check", "rotate-z91", NULL, "did you mean \"rotate-z90\"?"},
-        {"tower", "--check", "gravity", NULL, "mirror, order, far, scale, shift and restart"},
+        {"tower", "--check", "gravity", NULL, "scale, shift, restart, split, tessellate and late"},
         {"tower", "--engine", "plum", NULL, "plumb"},
         {"--suite", "canonicle", NULL, NULL, "did you mean"},
         {"tower", "--chekc", "far", NULL, "did you mean --check?"},

@@ -79,6 +79,14 @@ static const char travel_scene[] =
     "  \"expect\": { \"travel\": [ { \"body\": \"a\", \"direction\": [0, 0, -1],\n"
     "    \"distance\": 4.905, \"discrete\": 4.95405 } ] } }\n";
 
+/* Adds a scene file with a setting, "" for none, to the plan. */
+static pl_status add_file(pl_plan *plan, const char *path, const char *setting, pl_error *error)
+{
+    const pl_scenario *scenario = NULL;
+    assert_int_equal(pl_plan_open_file(plan, path, &scenario, error), PL_OK);
+    return pl_plan_add_scenario(plan, scenario, &setting, setting[0] != '\0', error);
+}
+
 static void test_scene_file_overrides_drop_invalid_expectations(void **state)
 {
     (void)state;
@@ -87,16 +95,16 @@ static void test_scene_file_overrides_drop_invalid_expectations(void **state)
     write_text(path, travel_scene);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
-    assert_int_equal(pl_plan_add_scene_file(&plan, path, NAN, NAN, &error), PL_OK);
-    assert_int_equal(pl_plan_add_scene_file(&plan, path, 0.02, NAN, &error), PL_OK);
+    assert_int_equal(add_file(&plan, path, "", &error), PL_OK);
+    assert_int_equal(add_file(&plan, path, "dt=0.02", &error), PL_OK);
     assert_int_equal(plan.case_count, 2);
     assert_close(plan.cases[0].scene.travels[0].discrete, 4.95405, 0, 0);
     assert_true(isnan(plan.cases[1].scene.travels[0].discrete));
     assert_close(plan.cases[1].scene.dt, 0.02, 0, 0);
-    assert_int_equal(pl_plan_add_scene_file(&plan, path, NAN, 2, &error), PL_BAD_INPUT);
+    assert_int_equal(add_file(&plan, path, "duration=2", &error), PL_BAD_INPUT);
     assert_contains(error.message, "travel");
-    assert_int_equal(pl_plan_add_scene_file(&plan, path, 2, NAN, &error), PL_BAD_INPUT);
-    assert_int_equal(pl_plan_add_scene_file(&plan, path, NAN, NAN, &error), PL_OK);
+    assert_int_equal(add_file(&plan, path, "dt=2", &error), PL_BAD_INPUT);
+    assert_int_equal(add_file(&plan, path, "", &error), PL_OK);
     assert_int_equal(plan.case_count, 2); /* the same problem again is not added */
     pl_plan_free(&plan);
     free(path);

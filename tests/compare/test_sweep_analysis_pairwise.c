@@ -67,11 +67,11 @@ static void test_losses_are_where_another_front_is_ahead(void **state)
         int level;
         pl_attained_by attained;
         bool within_noise;
-    } expected[] = {{"b", 2, PL_ATTAINED_BY_OTHER_ONLY, false},
-                    {"b", 1, PL_ATTAINED_BY_OTHER_ONLY, false},
-                    {"a", 0, PL_ATTAINED_BY_BOTH, false},
-                    {"a", 1, PL_ATTAINED_BY_BOTH, false},
-                    {"b", 0, PL_ATTAINED_BY_BOTH, true}};
+    } expected[] = {{"b n=0", 2, PL_ATTAINED_BY_OTHER_ONLY, false},
+                    {"b n=0", 1, PL_ATTAINED_BY_OTHER_ONLY, false},
+                    {"a n=0", 0, PL_ATTAINED_BY_BOTH, false},
+                    {"a n=0", 1, PL_ATTAINED_BY_BOTH, false},
+                    {"b n=0", 0, PL_ATTAINED_BY_BOTH, true}};
     for (int i = 0; i < 5; ++i) {
         const pl_sweep_loss *loss = &analysis.losses[i];
         assert_string_equal(analysis.scenes[loss->scene].name, expected[i].scene);

@@ -38,8 +38,6 @@ static pl_status make_grid(const asked *a, pl_plan *plan, pl_error *error)
     const pl_grid_def def = {.base = &base,
                              .varied = varied,
                              .varied_count = count,
-                             .dt = NAN,
-                             .duration = NAN,
                              .shard = a->shard.count == 0 ? (pl_shard){0, 1} : a->shard};
     *plan = (pl_plan){.repeats = 1};
     pl_status status = pl_grid_plan(&def, plan, error);

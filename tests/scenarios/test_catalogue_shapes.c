@@ -1,6 +1,6 @@
 /* The scenarios of shapes: what rests touches, what rolls and flies follows laws worked out here by
  * another way. */
-#include "catalogue/trigonometry.h"
+#include "base/trigonometry.h"
 #include "check.h"
 #include "plumb/vec.h"
 #include "referee/geometry/gap.h"

@@ -153,7 +153,7 @@ static void test_types_and_lengths_are_located(void **state)
         {"\"é scène\"", "@7", "name", "a name, found 7"},
         {"[0, 0.5, -9.81]", "@9.81", "gravity", "an array of 3 numbers, found 9.81"},
         {"[0, 0.5, -9.81]", "@[0, -9.81]", "gravity", "3 numbers, found an array of 2"},
-        {"[0, 0.5, -9.81]", "[0, @\"0\", -9.81]", "gravity[1]", "a number, found \"0\""},
+        {"[0, 0.5, -9.81]", "[0, @\"g\", -9.81]", "gravity[1]", "no parameters, found \"g\""},
         {"0.01,", "@true,", "dt", "a number, found true"},
         {"\"duration\": 2", "\"duration\": @null", "duration", "a number, found null"},
         {"{ \"friction\": 0.5, \"restitution\": 0 }", "@0.5", "materials.wood",
@@ -164,7 +164,8 @@ static void test_types_and_lengths_are_located(void **state)
         {"\"static\": true", "\"static\": @1", "bodies[0].static", "true or false, found 1"},
         {"\"static\": true", "\"static\": @false", "bodies[0].static",
          "since a plane never moves, found false"},
-        {"\"mass\": 2", "\"mass\": @\"2 kg\"", "bodies[1].mass", "a number, found \"2 kg\""},
+        {"\"mass\": 2", "\"mass\": @\"2 kg\"", "bodies[1].mass",
+         "or the end, found 'k' at character 3 of \"2 kg\""},
         {"[0.6, 0, 0.8, 0]", "@[0, 0, 0]", "bodies[1].orientation",
          "4 numbers, found an array of 3"},
         {"\"sphere\"", "@\"cone\"", "bodies[2].shape.type",
@@ -178,7 +179,7 @@ static void test_types_and_lengths_are_located(void **state)
          "@\"kåse\"", "expect.rest", "an array, found \"kåse\""},
         {"\"drift\"", "@\"drft\"", "expect.primary", "such as \"drift\", found \"drft\""},
         {"\"collapse_distance\": 0.5", "\"collapse_distance\": @\"far\"",
-         "expect.collapse_distance", "a number, found \"far\""},
+         "expect.collapse_distance", "a number; the scene has no parameters, found \"far\""},
     };
     check_faults(faults, sizeof faults / sizeof faults[0]);
 }
@@ -274,7 +275,7 @@ static void test_names_and_references_are_located(void **state)
         {"\"spread_y\"", "@\"spread_z\"", "expect.statistics[0].metric", "found \"spread_z\""},
         {"\"high\": 0.75", "\"high\": @0.25", "expect.statistics[0].high",
          "at least `low`, which is 0.5, found 0.25"},
-        {"\"low\": 0.5", "\"low\": @\"0.5\"", "expect.statistics[0].low", "number"},
+        {"\"low\": 0.5", "\"low\": @\"half\"", "expect.statistics[0].low", "number"},
         {"\"scale\": 4", "\"scale\": @0", "expect.statistics[0].scale", "above 0"},
         {"\"body\": \"ball\"", "\"body\": @\"bell\"", "expect.travel[0].body",
          "found \"bell\"; did you mean \"ball\"?"},

@@ -545,9 +545,9 @@ static void test_reader_refuses_the_wrong_type_of_every_field(void **state)
     for (int kind = 0; kind < PL_OBJECT_COUNT; ++kind) {
         for (int i = 0; i < pl_objects[kind].field_count; ++i) {
             const char *key = pl_objects[kind].fields[i].key;
-            const bool may_be_empty =
-                kind == PL_OBJECT_SCENE &&
-                (strcmp(key, "expect") == 0 || strcmp(key, "shapes") == 0); /* all optional */
+            const bool may_be_empty = kind == PL_OBJECT_SCENE &&
+                                      (strcmp(key, "expect") == 0 || strcmp(key, "shapes") == 0 ||
+                                       strcmp(key, "parameters") == 0); /* all optional */
             json_t *sample = json_loads(sample_scene, 0, NULL);
             json_object_set_new(sample_object(sample, kind), key, json_object());
             if (!may_be_empty && read_status(sample) != PL_BAD_INPUT) {

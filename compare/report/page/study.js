@@ -26,7 +26,7 @@ function threshold(study) {
         Plot.ruleY(found.filter((r) => r.bracket?.[0] !== null), { y: 'label', x1: (r) => r.bracket[0], x2: (r) => r.bracket[1], stroke: (r) => styles.get(r.label).colour, strokeWidth: 5, strokeOpacity: 0.5 }),
         Plot.dot(found.filter((r) => r.value !== null), { x: 'value', y: 'label', fill: (r) => styles.get(r.label).colour, r: 5 })] }) : null;
     return section(`threshold-${i}`, `${first.scenario}: ${first.param}`, drawn,
-      facts([['Closed form', first.formula && `${first.formula} = ${digits(first.closed_form, 6)}`], ['Holds', first.holds_below ? 'below the critical value' : 'above the critical value'], ['Tolerance', digits(first.tolerance)]]),
+      facts([['Closed form', first.formula && `${first.formula} = ${digits(first.closed_form, 6)}`], ['Holds', first.holds_below === null ? null : first.holds_below ? 'below the critical value' : 'above the critical value'], ['Tolerance', digits(first.tolerance)]]),
       table({ caption: 'Critical values', columns: [{ name: 'engine' }, { name: 'finding' }, { name: 'critical value', right: true }, { name: 'bracket', right: true }, { name: 'closed form', right: true }, { name: 'error', right: true }, { name: 'relative', right: true }, { name: 'runs', right: true }, { name: 'reason', wide: true }],
         rows: found.map((r) => [r.label, r.finding, { text: digits(r.value, 6), value: r.value }, r.bracket?.[0] === null ? '–' : `${digits(r.bracket[0], 6)} to ${digits(r.bracket[1], 6)}`, cell(r.closed_form), cell(r.error), cell(r.relative_error), r.runs, r.reason ?? '']) }));
   });
@@ -59,7 +59,7 @@ const grades = { bitwise: 'd0', exact: 'd1', close: 'd2', differs: 'd4', failed:
 function metamorphic(study) {
   const trials = Array.isArray(study) ? study : study.trials ?? [study], checks = [...new Set(trials.flatMap((t) => t.checks.map((c) => c.check)))];
   const rows = trials.map((t) => [`${t.scenario} · ${t.label}`, ...checks.map((name) => { const c = t.checks.find((x) => x.check === name); return c ? { text: c.verdict, style: grades[c.verdict] ?? 'none', title: [c.reason, `position ${digits(c.end?.position)}, rotation ${digits(c.end?.rotation)}`].filter(Boolean).join('\n') } : '–'; })]);
-  return { title: 'Plumb: metamorphic checks', lead: 'the same scene moved, turned, mirrored or scaled must give the same motion', parts: [
+  return { title: 'Plumb: metamorphic checks', lead: 'the same scene moved, turned, mirrored, scaled or built of other solids must give the same motion', parts: [
     section('checks', 'Checks', table({ caption: 'Verdict of each check; a title has the difference', columns: [{ name: 'scenario and engine' }, ...checks.map((name) => ({ name }))], rows, style: 'matrix' })),
     section('differences', 'Differences', plain('Early in the run and at its end', trials.flatMap((t) => t.checks.map((c) => ({ scenario: t.scenario, engine: t.label, check: c.check, verdict: c.verdict, early_position: c.early?.position ?? null, end_position: c.end?.position ?? null, early_rotation: c.early?.rotation ?? null, end_rotation: c.end?.rotation ?? null, reason: c.reason ?? '' })))))] };
 }

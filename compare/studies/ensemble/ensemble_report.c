@@ -159,9 +159,11 @@ static void add_title(report *r, const pl_case *test_case)
 {
     const pl_scenario *descriptor = test_case->descriptor;
     pl_text_buffer params = {0};
-    for (int i = 0; descriptor != NULL && i < descriptor->param_count; ++i) {
-        pl_text_format(&params, "%s%s = %.6g", i == 0 ? "" : ", ", descriptor->params[i].name,
-                       test_case->params[i]);
+    for (int i = 0; i < descriptor->param_count; ++i) {
+        if (!isnan(test_case->params[i])) {
+            pl_text_format(&params, "%s%s = %.6g", params.length == 0 ? "" : ", ",
+                           descriptor->params[i].name, test_case->params[i]);
+        }
     }
     pl_text_page_heading(&r->page, 2, "%s", test_case->name);
     if (params.length > 0) {

@@ -1,6 +1,7 @@
 /* Reads trajectories and compares them frame by frame. */
 #include "agreement.h"
 
+#include "late_start.h"
 #include "plumb/vec.h"
 
 #include <errno.h>
@@ -141,6 +142,34 @@ static void compare_body(const pl_body_state *a, const pl_body_state *b, pl_diff
                same_numbers(a->orientation, b->orientation, 4, -1));
 }
 
+/* Goes to the next frame of the plain run, at the time of the other's next frame. A later frame lies
+ * between two frames of the plain run. The second of them is read here; states[0 .. n) keeps it for the
+ * next call, and states[n .. 2 n) has the first, for n bodies. */
+static bool next_plain(const pl_trajectory_pair *c, bool is_first, pl_body_state *states)
+{
+    const int count = c->scene->body_count;
+    const size_t size = (size_t)count * sizeof *states;
+    pl_body_state *frame = c->plain->frame.bodies;
+    if (c->later == 0) {
+        return pl_trajectory_next(c->plain);
+    }
+    if (is_first && !pl_trajectory_next(c->plain)) {
+        return false;
+    }
+    memcpy(states + count, is_first ? frame : states, size);
+    if (!pl_trajectory_next(c->plain)) {
+        return false;
+    }
+    memcpy(states, frame, size);
+    for (int i = 0; i < count; ++i) {
+        if (!c->scene->bodies[i].is_static) {
+            pl_state_between(&c->scene->bodies[i], &states[count + i], &states[i], c->scene->dt,
+                             c->later, &frame[i]);
+        }
+    }
+    return true;
+}
+
 /* Compares the current frames of both runs. */
 static pl_difference compare_frames(const pl_trajectory_pair *c)
 {
@@ -161,7 +190,7 @@ pl_status pl_compare_trajectories(const pl_trajectory_pair *comparison, pl_agree
                                   pl_error *error)
 {
     const pl_trajectory_pair *c = comparison;
-    const long last = pl_scene_steps(c->scene) - c->first;
+    const long last = pl_scene_steps(c->scene) - c->first - (c->later > 0);
     const long early = last < 10 ? 1 : last / 10;
     bool same = true;
     *agreement = (pl_agreement){.passes_at = (double)NAN};
@@ -172,12 +201,17 @@ pl_status pl_compare_trajectories(const pl_trajectory_pair *comparison, pl_agree
     if (status != PL_OK) {
         return status;
     }
+    pl_body_state *states = calloc(2 * (size_t)c->scene->body_count + 1, sizeof *states);
+    if (states == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d bodies", c->scene->body_count);
+    }
     for (long i = 0; i < c->first; ++i) {
         pl_trajectory_next(c->plain);
     }
-    for (long i = 0; i <= last; ++i) {
-        if (!pl_trajectory_next(c->plain) || !pl_trajectory_next(c->other)) {
-            return pl_fail(error, PL_FAILED, "%ld of %ld frames to compare", i, last + 1);
+    for (long i = 0; i <= last && status == PL_OK; ++i) {
+        if (!next_plain(c, i == 0, states) || !pl_trajectory_next(c->other)) {
+            status = pl_fail(error, PL_FAILED, "%ld of %ld frames to compare", i, last + 1);
+            break;
         }
         pl_difference now = compare_frames(c);
         same = same && now.same;
@@ -192,5 +226,6 @@ pl_status pl_compare_trajectories(const pl_trajectory_pair *comparison, pl_agree
             agreement->end = now;
         }
     }
-    return PL_OK;
+    free(states);
+    return status;
 }

@@ -68,6 +68,9 @@ typedef struct pl_trajectory_pair {
     pl_trajectory *other; /* of the transformed scene, or of the rest of it */
     int other_body_count;
     long first; /* the frame of the plain run that corresponds to the other's first frame */
+    double
+        later; /* steps, 0 to 1, by which the other's frames are later than these; the other run then
+                     has a step less */
 } pl_trajectory_pair;
 
 /* PL_FAILED: one of the runs has fewer frames than steps. */

@@ -1,6 +1,8 @@
 /* The table of checks, and their transforms. */
 #include "check_list.h"
 
+#include "divide.h"
+#include "late_start.h"
 #include "transform.h"
 
 #include <string.h>
@@ -22,6 +24,14 @@ static const pl_check checks[] = {
     {"shift-1e6", "shift", PL_CHECK_SHIFT, 1e6, 0},
     {"shift-1e7", "shift", PL_CHECK_SHIFT, 1e7, 0},
     {"restart", "restart", PL_CHECK_RESTART, 0, 0},
+    {"split-x", "split", PL_CHECK_SPLIT, 0, 0},
+    {"split-y", "split", PL_CHECK_SPLIT, 0, 1},
+    {"split-z", "split", PL_CHECK_SPLIT, 0, 2},
+    {"tessellate-1", "tessellate", PL_CHECK_TESSELLATE, 1, 0},
+    {"tessellate-8", "tessellate", PL_CHECK_TESSELLATE, 8, 0},
+    {"late-0.25", "late", PL_CHECK_LATE, 0.25, 0},
+    {"late-0.5", "late", PL_CHECK_LATE, 0.5, 0},
+    {"late-0.75", "late", PL_CHECK_LATE, 0.75, 0},
 };
 enum { CHECK_COUNT = sizeof checks / sizeof checks[0] };
 
@@ -49,9 +59,20 @@ pl_status pl_check_choose(const char *name, bool *chosen, pl_error *error)
     const char *nearest = pl_nearest_name(name, names, 2 * CHECK_COUNT);
     return pl_fail(error, PL_BAD_INPUT,
                    "unknown check \"%s\"%s%s%s; there are again, rotate, mirror, order, far, "
-                   "scale, shift and restart",
+                   "scale, shift, restart, split, tessellate and late",
                    name, nearest == NULL ? "" : "; did you mean \"", nearest == NULL ? "" : nearest,
                    nearest == NULL ? "" : "\"?");
+}
+
+/* Whether there are static boxes, no more than can be divided. */
+static bool has_boxes(const pl_check *check, const pl_scene *scene, const char **reason)
+{
+    const double boxes = pl_static_box_count(scene);
+    const bool fits = check->kind == PL_CHECK_SPLIT
+                          ? scene->body_count + boxes <= PL_MAX_BODIES
+                          : 12 * check->amount * check->amount * boxes <= PL_MAX_SCENE_TRIANGLES;
+    *reason = boxes == 0 ? "there is no static box" : "there are too many static boxes";
+    return boxes > 0 && fits;
 }
 
 bool pl_check_transform(const pl_check *check, const pl_scene *scene, pl_transform *transform,
@@ -90,6 +111,11 @@ bool pl_check_transform(const pl_check *check, const pl_scene *scene, pl_transfo
             return false;
         }
         break;
+    case PL_CHECK_SPLIT:
+    case PL_CHECK_TESSELLATE:
+        return has_boxes(check, scene, reason);
+    case PL_CHECK_LATE:
+        return pl_late_start_is_known(scene, check->amount, reason);
     }
     return true;
 }

@@ -13,8 +13,11 @@ typedef enum pl_check_kind {
     PL_CHECK_ORDER,
     PL_CHECK_FAR,
     PL_CHECK_MIRROR,
-    PL_CHECK_AGAIN,  /* the same scene a second time */
-    PL_CHECK_RESTART /* a new instance continues from the state at half time */
+    PL_CHECK_AGAIN,      /* the same scene a second time */
+    PL_CHECK_RESTART,    /* a new instance continues from the state at half time */
+    PL_CHECK_SPLIT,      /* each static box is two flush boxes */
+    PL_CHECK_TESSELLATE, /* each static box is a closed mesh */
+    PL_CHECK_LATE        /* the start lies a fraction of a step later on the same motion */
 } pl_check_kind;
 
 /* A metamorphic check: a change of the scene under which the motion should stay the same. */
@@ -22,8 +25,9 @@ typedef struct pl_check {
     const char *name;   /* "rotate-z90" */
     const char *family; /* "rotate" */
     pl_check_kind kind;
-    double amount; /* eighths of a turn, m, scale, pl_body_order, or sizes of the scene */
-    int axis;      /* rotate: 0, 1, 2 */
+    double amount; /* eighths of a turn, m, scale, pl_body_order, sizes of the scene, rectangles
+                      along an edge, or fraction of a step */
+    int axis;      /* rotate, split: 0, 1, 2 */
 } pl_check;
 
 /* All checks in the order of reports. Static storage. */
@@ -33,8 +37,8 @@ const pl_check *pl_checks(int *count);
  * nearest name. */
 pl_status pl_check_choose(const char *name, bool *chosen, pl_error *error);
 
-/* The check's transform of this scene: the identity for AGAIN and RESTART. False, with the reason,
- * when the check does not apply to the scene. */
+/* The check's transform of this scene: the identity where the scene is changed otherwise. False, with the
+ * reason, when the check does not apply to the scene. */
 bool pl_check_transform(const pl_check *check, const pl_scene *scene, pl_transform *transform,
                         const char **reason);
 

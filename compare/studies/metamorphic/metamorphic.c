@@ -4,6 +4,8 @@
 #include "base/folding.h"
 #include "base/table.h"
 #include "check_record.h"
+#include "divide.h"
+#include "late_start.h"
 #include "runner/execute.h"
 #include "runner/progress.h"
 #include "transform.h"
@@ -124,7 +126,16 @@ static void set_failed(pl_check_result *result, const char *which, const run *r)
 static pl_status make_scene(const pl_check *check, const pl_transform *transform, run *plain,
                             long first, pl_scene *scene, pl_error *error)
 {
-    if (check->kind != PL_CHECK_RESTART) {
+    switch (check->kind) {
+    case PL_CHECK_RESTART:
+        break;
+    case PL_CHECK_SPLIT:
+        return pl_split_boxes(plain->scene, check->axis, scene, error);
+    case PL_CHECK_TESSELLATE:
+        return pl_tessellate_boxes(plain->scene, (int)check->amount, scene, error);
+    case PL_CHECK_LATE:
+        return pl_late_start_scene(plain->scene, check->amount, scene, error);
+    default:
         return pl_transform_scene(transform, plain->scene, scene, error);
     }
     pl_status status = pl_trajectory_rewind(&plain->trajectory, plain->scene->body_count, error);
@@ -143,13 +154,15 @@ static pl_status compare(const pl_transform *transform, run *plain, run *other, 
                          pl_check_result *result, pl_error *error)
 {
     pl_error fault = {.message = ""};
-    const pl_trajectory_pair comparison = {.scene = plain->scene,
-                                           .transform = transform,
-                                           .size = pl_scene_size(plain->scene),
-                                           .plain = &plain->trajectory,
-                                           .other = &other->trajectory,
-                                           .other_body_count = other->scene->body_count,
-                                           .first = first};
+    const pl_trajectory_pair comparison = {
+        .scene = plain->scene,
+        .transform = transform,
+        .size = pl_scene_size(plain->scene),
+        .plain = &plain->trajectory,
+        .other = &other->trajectory,
+        .other_body_count = other->scene->body_count,
+        .first = first,
+        .later = result->check->kind == PL_CHECK_LATE ? result->check->amount : 0};
     pl_status status = pl_compare_trajectories(&comparison, &result->agreement, &fault);
     if (status == PL_FAILED) {
         set_grade(result, PL_GRADE_FAILED, "too few frames: ", fault.message);
@@ -184,6 +197,9 @@ static pl_status make_check(study *t, run *plain, pl_check_result *result, pl_er
     if (status == PL_OK && t->signal == 0) {
         if (finished(&other)) {
             status = compare(&transform, plain, &other, first, result, error);
+        } else if (strcmp(pl_json_get_text(other.result, "outcome"), "unsupported") == 0) {
+            set_grade(result, PL_GRADE_INAPPLICABLE,
+                      "unsupported: ", pl_json_get_text(other.result, "reason"));
         } else {
             set_failed(result, "transformed", &other);
         }

@@ -181,10 +181,7 @@ void pl_transform_state_back(const pl_transform *transform, const pl_body_state 
 
 /* ---- Scenes ---- */
 
-/* Makes a deep copy of a valid scene, without its expectations. Forces come in the order of their
- * bodies; polyhedra with neither a name nor a body are left out. The caller frees *to, which is
- * left empty on failure. */
-static pl_status copy_scene(const pl_scene *from, pl_scene *to, pl_error *error)
+pl_status pl_scene_copy_unjudged(const pl_scene *from, pl_scene *to, pl_error *error)
 {
     pl_scene test_case = *from;
     test_case.rest_count = 0;
@@ -347,7 +344,7 @@ static pl_status reorder(const pl_transform *t, pl_scene *scene, pl_error *error
 pl_status pl_transform_scene(const pl_transform *transform, const pl_scene *from, pl_scene *to,
                              pl_error *error)
 {
-    pl_status status = copy_scene(from, to, error);
+    pl_status status = pl_scene_copy_unjudged(from, to, error);
     if (status == PL_OK && transform->has_copy) {
         status = add_copies(transform, to, error);
     }
@@ -382,7 +379,7 @@ static void move_forces(pl_scene *scene, double time)
 pl_status pl_restart_scene(const pl_scene *from, const pl_body_state *states, long step,
                            pl_scene *to, pl_error *error)
 {
-    pl_status status = copy_scene(from, to, error);
+    pl_status status = pl_scene_copy_unjudged(from, to, error);
     if (status != PL_OK) {
         return status;
     }

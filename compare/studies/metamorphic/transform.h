@@ -41,6 +41,11 @@ pl_transform pl_transform_order(pl_body_order order);
 /* A second copy of all bodies except planes, moved by `offset` (m). */
 pl_transform pl_transform_copy(const double offset[3]);
 
+/* A deep copy of a valid scene, without its expectations. Forces come in the order of their bodies; polyhedra
+ * with neither a name nor a body are left out. The caller frees *to, which is left empty on failure.
+ * PL_NO_MEMORY. */
+pl_status pl_scene_copy_unjudged(const pl_scene *from, pl_scene *to, pl_error *error);
+
 /* The transformed scene, without the original's expectations. The caller frees *to, which is left
  * empty on failure. PL_NO_MEMORY; PL_BAD_INPUT when there are too many bodies with the copies, or
  * their names are taken. */

@@ -27,7 +27,7 @@ static pl_status add_case(void *user, int setting, pl_plan *plan, pl_error *erro
     const crowd *c = user;
     (void)setting;
     plan->variation.refinement = c->refinement;
-    return pl_plan_add_copy(plan, c->original, error);
+    return pl_plan_add_values(plan, c->original->descriptor, c->original->params, NULL, error);
 }
 
 static pl_status keep_result(void *user, json_t *result, pl_error *error)

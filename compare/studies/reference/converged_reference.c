@@ -23,7 +23,7 @@ static const double aim = 0.1;
 bool pl_reference_applies(const pl_case *test_case)
 {
     const pl_scene *scene = &test_case->scene;
-    return test_case->descriptor == NULL && scene->rest_count + scene->travel_count == 0 &&
+    return test_case->descriptor->file != NULL && scene->rest_count + scene->travel_count == 0 &&
            scene->value_count + scene->statistic_count == 0 && pl_positions_bodies(scene) > 0;
 }
 
@@ -117,7 +117,8 @@ static bool takes_part(const pl_reference *reference, int engine, int level)
 static pl_status add_level(making *m, int level, pl_error *error)
 {
     m->plan.variation = (pl_variation){.refinement = 1 << level};
-    pl_status status = pl_plan_add_copy(&m->plan, m->def->original, error);
+    pl_status status = pl_plan_add_values(&m->plan, m->def->original->descriptor,
+                                          m->def->original->params, NULL, error);
     m->plan.pairing_count = 0;
     for (int i = 0; i < m->reference->engine_count && status == PL_OK; ++i) {
         if (takes_part(m->reference, i, level)) {

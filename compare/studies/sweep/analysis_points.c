@@ -15,31 +15,52 @@
 
 /* ---- Scenes ---- */
 
-/* The scenario, with the parameters that are not at their defaults, the seed and the member. */
+static void add_param(pl_sweep_scene *scene, const char *name, double value, const char *unit)
+{
+    const size_t used = strlen(scene->name);
+    const bool bare = strcmp(unit, "1") == 0 || unit[0] == '\0';
+    snprintf(scene->name + used, sizeof scene->name - used, " %s=%.6g%s%s", name, value,
+             bare ? "" : " ", bare ? "" : unit);
+}
+
+/* The parameters that are not at their defaults; those of a scene file, whose defaults are not known,
+ * all. The time step is no part of a scene. */
+static void add_params(pl_sweep_scene *scene)
+{
+    const pl_scenario *catalogue = scene->catalogue;
+    json_t *params = json_object_get(scene->row, "params");
+    const char *name;
+    json_t *value;
+    for (int i = 0; catalogue != NULL && i < catalogue->param_count; ++i) {
+        const pl_param *param = &catalogue->params[i];
+        value = json_object_get(params, param->name);
+        if (strcmp(param->name, "dt") != 0 && json_is_number(value) &&
+            json_number_value(value) != param->value) {
+            add_param(scene, param->name, json_number_value(value), param->unit);
+        }
+    }
+    json_object_foreach(params, name, value)
+    {
+        if (catalogue == NULL && strcmp(name, "dt") != 0) {
+            add_param(scene, name, json_number_value(value), "1");
+        }
+    }
+}
+
+/* The scenario with its parameters, the seed and the member. */
 static void name_scene(pl_sweep_scene *scene)
 {
-    const json_t *params = json_object_get(scene->row, "params");
     const json_int_t seed = json_integer_value(json_object_get(scene->row, "seed"));
     const json_t *member = json_object_get(scene->row, "member");
     const size_t size = sizeof scene->name;
-    size_t used = (size_t)snprintf(scene->name, size, "%.120s", scene->scenario);
-    for (int i = 0; scene->catalogue != NULL && i < scene->catalogue->param_count && used < size;
-         ++i) {
-        const pl_param *param = &scene->catalogue->params[i];
-        const json_t *value = json_object_get(params, param->name);
-        bool bare = strcmp(param->unit, "1") == 0 || param->unit[0] == '\0';
-        if (strcmp(param->name, "dt") != 0 && json_is_number(value) &&
-            json_number_value(value) != param->value) {
-            used += (size_t)snprintf(scene->name + used, size - used, " %s=%.6g%s%s", param->name,
-                                     json_number_value(value), bare ? "" : " ",
-                                     bare ? "" : param->unit);
-        }
+    snprintf(scene->name, size, "%.120s", scene->scenario);
+    add_params(scene);
+    size_t used = strlen(scene->name);
+    if (seed != 0) {
+        snprintf(scene->name + used, size - used, " seed=%" JSON_INTEGER_FORMAT, seed);
     }
-    if (seed != 0 && used < size) {
-        used +=
-            (size_t)snprintf(scene->name + used, size - used, " seed=%" JSON_INTEGER_FORMAT, seed);
-    }
-    if (json_is_integer(member) && used < size) {
+    used = strlen(scene->name);
+    if (json_is_integer(member)) {
         snprintf(scene->name + used, size - used, " member=%" JSON_INTEGER_FORMAT,
                  json_integer_value(member));
     }

@@ -73,14 +73,14 @@ pl_status pl_keyed_row_make(const json_t *row, size_t index, pl_keyed_row *keyed
     }
     const json_t *settings = json_object_get(row, "settings"),
                  *plumb = json_object_get(row, "plumb");
-    /* A scene file has no parameters; its duration may still have been replaced. */
-    bool is_file = json_object_size(json_object_get(row, "params")) == 0;
+    /* The duration of a scene file is no parameter unless it was given. */
+    const bool has_duration = json_object_get(json_object_get(row, "params"), "duration") != NULL;
     keyed->change = pl_json_get_text(row, "change");
     keyed->dt = json_number_value(json_object_get(settings, "dt"));
-    keyed->scene =
-        to_text(json_pack("[o, o, o, o, o, o]", same(row, "scenario"), without_dt(row, "params"),
-                          same(row, "seed"), same(row, "member"),
-                          same(is_file ? settings : NULL, "duration"), same(row, "primary_error")));
+    keyed->scene = to_text(
+        json_pack("[o, o, o, o, o, o]", same(row, "scenario"), without_dt(row, "params"),
+                  same(row, "seed"), same(row, "member"),
+                  same(has_duration ? NULL : settings, "duration"), same(row, "primary_error")));
     json_t *series = json_pack("[o, o, o, o, o, o]", same(row, "engine"), same(row, "profile"),
                                same(row, "label"), without_dt(row, "settings"),
                                same(row, "engine_version"), same(plumb, "git"));

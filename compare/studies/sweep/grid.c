@@ -177,53 +177,36 @@ typedef struct grid {
     int count;
 } grid;
 
-/* The values of all parameters of a catalogue case, varied. */
+/* The values of all parameters of a case, varied. */
 static void vary_values(const grid *g, const place *at, double *values)
 {
     const pl_case *test_case = &g->def->base->cases[at->base];
-    const pl_scenario *scenario = test_case->descriptor;
     const pl_grid_keys *keys = &g->keys[at->base];
     memcpy(values, test_case->params, sizeof test_case->params);
-    for (int i = 0; i < scenario->param_count; ++i) {
-        for (int k = 0; k < keys->count; ++k) {
-            const pl_vary *vary = &g->def->varied[keys->items[k]];
-            if (strcmp(vary->key, scenario->params[i].name) == 0) {
-                values[i] = vary->numbers[pl_grid_digit(keys, at->combination, k)];
-            }
-        }
+    for (int k = 0; k < keys->count; ++k) {
+        const pl_vary *vary = &g->def->varied[keys->items[k]];
+        values[pl_scenario_param(test_case->descriptor, vary->key)] =
+            vary->numbers[pl_grid_digit(keys, at->combination, k)];
     }
-}
-
-/* The time step asked for of a scene file; NAN: its own. */
-static double time_step(const grid *g, const place *at)
-{
-    const pl_grid_keys *keys = &g->keys[at->base];
-    return keys->count == 0
-               ? g->def->dt
-               : g->def->varied[keys->items[0]].numbers[pl_grid_digit(keys, at->combination, 0)];
 }
 
 /* A malloc'd text that identifies the case. PL_BAD_INPUT: a value out of its range. */
 static pl_status name_place(const grid *g, const place *at, char **name, pl_error *error)
 {
     const pl_case *test_case = &g->def->base->cases[at->base];
-    double values[PL_MAX_PARAMS] = {time_step(g, at)};
-    int count = 1;
-    if (test_case->descriptor != NULL) {
-        pl_error why = {.message = ""};
-        pl_settings settings;
-        vary_values(g, at, values);
-        pl_settings_make(test_case->descriptor, values, &settings);
-        count = test_case->descriptor->param_count;
-        pl_status status =
-            pl_scenario_values(test_case->descriptor, settings.items, count, values, &why);
-        if (status != PL_OK) {
-            return pl_fail(error, status, "--vary: %s", why.message);
-        }
+    const pl_scenario *scenario = test_case->descriptor;
+    double values[PL_MAX_PARAMS];
+    pl_error why = {.message = ""};
+    pl_settings settings;
+    vary_values(g, at, values);
+    pl_settings_make(scenario, values, &settings);
+    pl_status status = pl_scenario_values(scenario, settings.items, settings.count, values, &why);
+    if (status != PL_OK) {
+        return pl_fail(error, status, "--vary: %s", why.message);
     }
     pl_text_buffer text = {0};
     pl_text_add(&text, test_case->name);
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < scenario->param_count; ++i) {
         pl_text_format(&text, "\n%a", values[i]);
     }
     *name = text.data;
@@ -262,10 +245,6 @@ static pl_status add_place(const grid *g, const place *at, pl_plan *plan, pl_err
 {
     const pl_case *test_case = &g->def->base->cases[at->base];
     double values[PL_MAX_PARAMS];
-    if (test_case->descriptor == NULL) {
-        return pl_plan_add_scene_file(plan, test_case->name, time_step(g, at), g->def->duration,
-                                      error);
-    }
     vary_values(g, at, values);
     return pl_plan_add_values(plan, test_case->descriptor, values, NULL, error);
 }
@@ -273,18 +252,9 @@ static pl_status add_place(const grid *g, const place *at, pl_plan *plan, pl_err
 /* The time step of a place, s; NAN: the scene file's own. */
 static double step_of(const grid *g, const place *at)
 {
-    const pl_scenario *scenario = g->def->base->cases[at->base].descriptor;
     double values[PL_MAX_PARAMS];
-    if (scenario == NULL) {
-        return time_step(g, at);
-    }
     vary_values(g, at, values);
-    for (int i = 0; i < scenario->param_count; ++i) {
-        if (strcmp(scenario->params[i].name, "dt") == 0) {
-            return values[i];
-        }
-    }
-    return (double)NAN;
+    return values[pl_scenario_param(g->def->base->cases[at->base].descriptor, "dt")];
 }
 
 /* Whether the grid has the point, and it is the shard's. */
@@ -341,7 +311,7 @@ static pl_status add_changes(const grid *g, int number, pl_plan *plan, pl_error 
     const pl_scenario *scenario = g->def->base->cases[at->base].descriptor;
     pl_status status = PL_OK;
     int applied = 0;
-    for (int i = 0; scenario != NULL && at->test_case >= 0 && i < pl_variants_swept.count &&
+    for (int i = 0; at->test_case >= 0 && i < pl_variants_swept.count &&
                     applied < g->def->changes && status == PL_OK;
          ++i) {
         const pl_variant *variant = &pl_variants_swept.items[i];

@@ -22,7 +22,6 @@ typedef struct pl_grid_def {
     /* Settings that are run besides, each on the cases of its own time step; NULL: none. */
     const pl_design *design;
     int changes; /* of each scene, at most (pl_variants_swept): on each, every point is run once */
-    double dt, duration; /* s: asked for of scene files; NAN: their own */
     pl_shard shard;
 } pl_grid_def;
 

@@ -24,16 +24,6 @@ int pl_grid_digit(const pl_grid_keys *keys, long combination, int key)
     return (int)(combination % keys->values[key]);
 }
 
-static int param_index(const pl_scenario *scenario, const char *name)
-{
-    for (int i = 0; i < scenario->param_count; ++i) {
-        if (strcmp(scenario->params[i].name, name) == 0) {
-            return i;
-        }
-    }
-    return -1;
-}
-
 static bool is_of(const pl_vary *vary, const char *name)
 {
     return vary->owner[0] == '\0' || strcmp(vary->owner, name) == 0;
@@ -42,9 +32,8 @@ static bool is_of(const pl_vary *vary, const char *name)
 /* The number of values that the key has for a case; 0 where the case does not have it. */
 static int values_of_case(const pl_case *test_case, const pl_vary *vary)
 {
-    const bool has = test_case->descriptor == NULL
-                         ? strcmp(vary->key, "dt") == 0
-                         : param_index(test_case->descriptor, vary->key) >= 0;
+    const bool has =
+        vary->names == NULL && pl_scenario_param(test_case->descriptor, vary->key) >= 0;
     return has && is_of(vary, test_case->name) ? vary->count : 0;
 }
 
@@ -126,7 +115,7 @@ static void list_keys(const pl_grid_def *def, const pl_vary *vary, names *n)
     for (int i = 0; i < def->base->case_count; ++i) {
         const pl_case *test_case = &def->base->cases[i];
         const pl_scenario *scenario = test_case->descriptor;
-        const bool counts = scenario != NULL && is_of(vary, test_case->name);
+        const bool counts = is_of(vary, test_case->name);
         for (int k = 0; counts && k < scenario->param_count; ++k) {
             add_name(n, scenario->params[k].name);
         }

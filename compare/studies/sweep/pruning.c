@@ -17,7 +17,7 @@ static char *name_point(const pl_plan *plan, const pl_planned_run *run)
     pl_text_buffer text = {0};
     pl_text_format(&text, "%td %s %a", run->configuration - plan->configurations, test_case->name,
                    test_case->scene.dt);
-    for (int i = 0; test_case->descriptor != NULL && i < test_case->descriptor->param_count; ++i) {
+    for (int i = 0; i < test_case->descriptor->param_count; ++i) {
         pl_text_format(&text, " %a", test_case->params[i]);
     }
     return text.failed ? NULL : text.data;

@@ -9,10 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-pl_bisection pl_bisection_begin(double low, double high, bool holds_below, double tolerance)
+pl_bisection pl_bisection_begin(const pl_threshold *threshold)
 {
-    return (pl_bisection){
-        .low = low, .high = high, .tolerance = tolerance, .holds_below = holds_below};
+    return (pl_bisection){.low = threshold->low,
+                          .high = threshold->high,
+                          .tolerance = threshold->tolerance,
+                          .holds_below = threshold->holds_below,
+                          .either_side = threshold->either_side};
 }
 
 static double midpoint_of(const pl_bisection *b)
@@ -36,6 +39,8 @@ static void judge_ends(pl_bisection *b, bool high_holds)
 {
     if (b->low_holds == high_holds) {
         b->state = high_holds ? PL_BISECTION_ALWAYS_HOLDS : PL_BISECTION_NEVER_HOLDS;
+    } else if (b->either_side) {
+        b->holds_below = b->low_holds;
     } else if (b->low_holds != b->holds_below) {
         b->state = PL_BISECTION_REVERSED;
     }
@@ -72,16 +77,6 @@ typedef struct study {
     int count;
     pl_progress progress;
 } study;
-
-/* The scenario's index of its threshold's parameter. */
-static int threshold_param(const pl_scenario *scenario)
-{
-    int index = 0;
-    while (strcmp(scenario->params[index].name, scenario->threshold->param) != 0) {
-        ++index;
-    }
-    return index;
-}
 
 /* "found", "never holds", "always holds", "reversed", the outcome that ended it, or "searching". */
 static const char *outcome_of(const pl_threshold_search *search)
@@ -218,14 +213,13 @@ static void begin(study *s)
     long total = 0;
     for (int p = 0; p < plan->case_count; ++p) {
         const pl_scenario *scenario = plan->cases[p].descriptor;
-        const pl_threshold *t = scenario->threshold;
         for (int c = 0; c < plan->configuration_count; ++c) {
             pl_threshold_search *search = &s->items[s->count++];
             *search = (pl_threshold_search){
                 .test_case = p,
                 .configuration = c,
-                .param = threshold_param(scenario),
-                .bisection = pl_bisection_begin(t->low, t->high, t->holds_below, t->tolerance)};
+                .param = pl_scenario_param(scenario, scenario->threshold->param),
+                .bisection = pl_bisection_begin(scenario->threshold)};
             total += pl_bisection_most_trials(&search->bisection);
         }
     }
@@ -266,6 +260,14 @@ static double value_of(const pl_threshold_search *search)
     return found ? midpoint_of(b) : (double)NAN;
 }
 
+/* The side of the critical value on which the scene holds, as a word; NULL: not known. */
+static const char *side_of(const pl_threshold_search *search)
+{
+    const pl_bisection *b = &search->bisection;
+    const bool is_known = !b->either_side || b->state == PL_BISECTION_FOUND;
+    return !is_known ? NULL : b->holds_below ? "below" : "above";
+}
+
 static json_t *number(double value)
 {
     return pl_json_number_or_null(value);
@@ -297,15 +299,16 @@ json_t *pl_threshold_json(const pl_plan *plan, const pl_threshold_search *search
     const char *reason = search->reason[0] != '\0' ? search->reason : NULL;
     json_t *row = identity_of(plan, search);
     json_t *found = json_pack(
-        "{s:s, s:s, s:s, s:s, s:s?, s:o, s:[o,o], s:[f,f], s:b, s:f, s:o, s:s?, s:o, s:o, s:i, "
+        "{s:s, s:s, s:s, s:s, s:s?, s:o, s:[o,o], s:[f,f], s:o, s:f, s:o, s:s?, s:o, s:o, s:i, "
         "s:s}",
         "schema", "plumb.threshold/1", "param", t->param, "unit",
         scenario->params[search->param].unit, "finding", outcome_of(search), "reason", reason,
         "value", number(value), "bracket", number(low), number(high), "searched", t->low, t->high,
-        "holds_below", (int)t->holds_below, "tolerance", t->tolerance, "closed_form",
-        number(critical), "formula", t->formula, "error", number(value - critical),
-        "relative_error", number((value - critical) / critical), "runs", search->runs, "started",
-        started);
+        "holds_below",
+        side_of(search) == NULL ? json_null() : json_boolean(search->bisection.holds_below),
+        "tolerance", t->tolerance, "closed_form", number(critical), "formula", t->formula, "error",
+        number(value - critical), "relative_error", number((value - critical) / critical), "runs",
+        search->runs, "started", started);
     if (row == NULL || found == NULL || json_object_update(row, found) != 0 ||
         json_object_update(row, provenance) != 0) {
         json_decref(row);
@@ -324,9 +327,10 @@ static void print_head(FILE *out, const pl_plan *plan, const pl_threshold_search
     const double critical = critical_value(plan, search);
     pl_folding folding;
     FILE *folded = pl_folding_begin(&folding, out);
-    fprintf(folded, "%s: critical %s%s%s, searched from %g to %g, holds %s it\n", scenario->name,
-            t->param, plain ? "" : ", ", plain ? "" : param->unit, t->low, t->high,
-            t->holds_below ? "below" : "above");
+    const char *side = side_of(search);
+    fprintf(folded, "%s: critical %s%s%s, searched from %g to %g%s%s%s\n", scenario->name, t->param,
+            plain ? "" : ", ", plain ? "" : param->unit, t->low, t->high,
+            side == NULL ? "" : ", holds ", side == NULL ? "" : side, side == NULL ? "" : " it");
     if (isnan(critical)) {
         fprintf(folded, "  no closed form\n");
     } else {

@@ -22,13 +22,14 @@ typedef struct pl_bisection {
     double low, high; /* the bracket so far */
     double tolerance; /* of the bracket's width, > 0 */
     bool holds_below; /* the scene should hold at `low` and fail at `high`; else the reverse */
+    bool either_side; /* both are right: the two ends set holds_below */
     int trials;
     bool low_holds; /* defined once trials > 0 */
     pl_bisection_state state;
 } pl_bisection;
 
-/* Begins a search in low < high. */
-pl_bisection pl_bisection_begin(double low, double high, bool holds_below, double tolerance);
+/* Begins a search in the bracket and with the tolerance of a threshold. */
+pl_bisection pl_bisection_begin(const pl_threshold *threshold);
 
 /* The value to try next: both ends first, then the midpoint of the bracket. Call it only while the
  * state is PL_BISECTION_SEARCHING. */

@@ -11,7 +11,6 @@
 /* What to tune, on which cases, and within which limits. All pointers are borrowed. */
 typedef struct pl_tune_def {
     const pl_plan *plan; /* the cases as asked for, and the seed, of the search too */
-    double dt, duration; /* s: asked for of scene files; NAN: their own */
     const pl_tune_space *space;
     const pl_targets *targets;
     int budget; /* settings that the search evaluates; what is measured afterwards is not counted */

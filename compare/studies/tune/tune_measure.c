@@ -149,7 +149,7 @@ static pl_status make_room(gatherer *g, pl_error *error)
     return PL_OK;
 }
 
-/* Adds the catalogue scenario at the step to the plan; *index -1 when it cannot be built so. */
+/* Adds the scenario at the step to the plan; *index -1 when it cannot be built so. */
 static pl_status add_scenario(gatherer *g, const pl_case *test_case, double dt, int *index,
                               pl_error *error)
 {
@@ -161,35 +161,11 @@ static pl_status add_scenario(gatherer *g, const pl_case *test_case, double dt, 
     if (!pl_variant_apply(g->def->variant, scenario, g->def->plan->seed, values)) {
         return PL_OK;
     }
-    for (int i = 0; i < scenario->param_count && !isnan(dt); ++i) {
-        if (strcmp(scenario->params[i].name, "dt") == 0) {
-            values[i] = dt;
-        }
+    if (!isnan(dt)) {
+        values[pl_scenario_param(scenario, "dt")] = dt;
     }
     pl_status status = pl_plan_add_values(&g->plan, scenario, values, index, error);
     return status == PL_BAD_INPUT && is_changed ? PL_OK : status;
-}
-
-static pl_status add_file(gatherer *g, const pl_case *test_case, double dt, int *index,
-                          pl_error *error)
-{
-    *index = -1;
-    if (g->def->variant->kind != PL_VARIANT_NONE) {
-        return PL_OK;
-    }
-    const double step = isnan(dt) ? test_case->scene.dt : dt;
-    for (int i = 0; i < g->plan.case_count; ++i) {
-        if (strcmp(g->plan.cases[i].name, test_case->name) == 0 &&
-            g->plan.cases[i].scene.dt == step) {
-            *index = i;
-            return PL_OK;
-        }
-    }
-    const int before = g->plan.case_count;
-    pl_status status = pl_plan_add_scene_file(&g->plan, test_case->name,
-                                              isnan(dt) ? g->def->dt : dt, g->def->duration, error);
-    *index = g->plan.case_count > before ? before : -1;
-    return status;
 }
 
 static pl_status add_runs(gatherer *g, pl_error *error)
@@ -206,8 +182,7 @@ static pl_status add_runs(gatherer *g, pl_error *error)
         for (int s = 0; s < def->setting_count && status == PL_OK; ++s) {
             const double dt = def->settings[s].dt;
             int index = -1;
-            status = test_case->descriptor != NULL ? add_scenario(g, test_case, dt, &index, error)
-                                                   : add_file(g, test_case, dt, &index, error);
+            status = add_scenario(g, test_case, dt, &index, error);
             if (status == PL_OK && index >= 0) {
                 pl_reading *reading = &g->readings->items[s * def->plan->case_count + p];
                 reading->is_there = true;

@@ -79,7 +79,6 @@ void pl_readings_free(pl_readings *readings);
 /* The settings to be measured and the cases to measure them on. The pointers are borrowed. */
 typedef struct pl_measure_def {
     const pl_plan *plan; /* the cases as asked for, and the seed */
-    double dt, duration; /* s: asked for of scene files; NAN: their own */
     const pl_variant *variant;
     const pl_setting *settings; /* (setting_count) */
     int setting_count;

@@ -57,8 +57,6 @@ pl_status pl_tuner_measure(pl_tuner *t, pl_tuner_runs runs, pl_readings *reading
 {
     const pl_tune_def *def = t->def;
     const pl_measure_def measured = {.plan = def->plan,
-                                     .dt = def->dt,
-                                     .duration = def->duration,
                                      .variant =
                                          runs.variant == NULL ? &pl_variant_none : runs.variant,
                                      .settings = runs.settings,

@@ -61,19 +61,20 @@ const pl_variants pl_variants_chosen_by = LIST(chosen_by);
 const pl_variants pl_variants_held_out = LIST(held_out);
 const pl_variants pl_variants_swept = LIST(swept);
 
-/* Changes a parameter where the scenario has it and its range contains the new value. */
+/* Changes a parameter where the scenario has it and its range contains the new value. The names are
+ * those of the catalogue; what a scene file means by them is not known. */
 static bool set(const pl_scenario *scenario, const char *name, double (*change)(double value),
                 double *values)
 {
-    for (int i = 0; i < scenario->param_count; ++i) {
-        const pl_param *param = &scenario->params[i];
-        const double value = change(values[i]);
-        if (strcmp(param->name, name) == 0 && value >= param->min && value <= param->max) {
-            values[i] = value;
-            return true;
-        }
+    const int index = scenario->file == NULL ? pl_scenario_param(scenario, name) : -1;
+    if (index < 0) {
+        return false;
     }
-    return false;
+    const pl_param *param = &scenario->params[index];
+    const double value = change(values[index]);
+    const bool fits = value >= param->min && value <= param->max;
+    values[index] = fits ? value : values[index];
+    return fits;
 }
 
 static double bit_up(double value)

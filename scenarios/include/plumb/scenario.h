@@ -1,4 +1,5 @@
-/* The catalogue of scenarios: families of scenes with parameters. Each is a const descriptor. */
+/* Scenarios: families of scenes with parameters. Those of the catalogue are const descriptors; a scene
+ * file is a scenario too, whose parameters are those of the file. */
 #ifndef PLUMB_SCENARIO_H
 #define PLUMB_SCENARIO_H
 
@@ -36,6 +37,7 @@ typedef struct pl_threshold {
     double low;        /* lower end of the first bracket of that parameter */
     double high;       /* its upper end; the scene holds at one of the two and not at the other */
     bool holds_below;  /* the scene holds below the critical value; else above */
+    bool either_side;  /* it is not known on which side: the ends of the bracket say so */
     double tolerance;  /* of the parameter: the width of the bracket at which the search ends */
     /* The critical value in closed form, of the other parameters' values; NULL: there is none. */
     double (*critical)(const double *values);
@@ -72,6 +74,9 @@ typedef struct pl_scenario {
     int param_count;        /* number of parameters */
     /* Adds the bodies and expectations. Called by pl_scenario_build alone. */
     void (*build)(pl_builder *builder, const double *values);
+    /* The scene file that the scenes are read from, in place of `build`; NULL: none. The values of its
+     * "dt" and "duration" are NAN unless they replace the file's own. */
+    const struct pl_scene_file *file;
 } pl_scenario;
 
 /* The features that the scene with default parameters needs: PL_NEEDS_*. 0 when out of memory. */
@@ -82,6 +87,18 @@ const pl_scenario *const *pl_scenarios(int *count);
 
 /* Finds a scenario by its exact name. NULL with an error that suggests the nearest name. */
 const pl_scenario *pl_scenario_find(const char *name, pl_error *);
+
+/* Opens a scene file as a scenario of that name ("-" is standard input). Its text is read once. The
+ * parameters are those of the file, then "dt" and "duration". Only the members name, params,
+ * param_count and file have a meaning. Errors as pl_scene_read_file, of the text's form and its
+ * parameters. The caller closes *scenario; on failure there is nothing to close. */
+pl_status pl_scenario_open_file(const char *path, pl_scenario **scenario, pl_error *);
+
+/* Frees a scenario of pl_scenario_open_file. NULL is allowed. */
+void pl_scenario_close_file(pl_scenario *scenario);
+
+/* The index of the scenario's parameter of that name; -1 when it has none. */
+int pl_scenario_param(const pl_scenario *scenario, const char *name);
 
 /* Fills values[param_count] with defaults, then applies `count` texts of the form
  * "NAME=VALUE[,NAME=VALUE]...".
@@ -94,7 +111,10 @@ pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *set
  * seed and values give the same scene, bit for bit, on every machine. The parameters "dt" and
  * "duration" are those of the scene, "friction" and "restitution", where the scenario has them,
  * those of its first material. PL_BAD_INPUT: the values do not go together. On failure *scene is
- * left empty. The caller frees it. */
+ * left empty. The caller frees it.
+ *
+ * A "dt" that differs from a scene file's own removes the discrete answers. A "duration" that differs is
+ * PL_BAD_INPUT for a file that expects travels, values or statistics, which hold for its own. */
 pl_status pl_scenario_build(const pl_scenario *scenario, const double *values, uint64_t seed,
                             pl_scene *scene, pl_error *error);
 
