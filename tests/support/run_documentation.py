@@ -11,7 +11,8 @@ run in a folder that it made. A command whose engine is absent counts as not run
 reduce them; the few that cannot run inside a test are only checked for existence.
 
 In a ```console block, a command exits with 0, or with the number below "$ echo $?" after it. What stands below a
-command that is not reduced must be in its output, in that order: "..." stands for what is left out, and numbers and spaces
+command that is not reduced must be in its output, in that order: "..." stands for what is left out, and numbers,
+plurals and spaces
 may differ.
 """
 
@@ -134,8 +135,9 @@ def commands_of_block(block, number, language):
 
 
 def comparable(text):
-    """The text in words apart by one space each, every number and unit of time the same."""
-    return " ".join(re.sub(r"\d+(\.\d+)?(e[-+]?\d+)?( [nµm]?s\b)?", "0", text).split())
+    """The text in words apart by one space each, every number, unit of time and plural of a count the same."""
+    numbers = re.sub(r"\d+(\.\d+)?(e[-+]?\d+)?( [nµm]?s\b)?", "0", text)
+    return " ".join(re.sub(r"\b0 (\w+?)s\b", r"0 \1", numbers).split())
 
 
 def missing_output(command, printed):
