@@ -12,8 +12,7 @@ reduce them; the few that cannot run inside a test are only checked for existenc
 
 In a ```console block, a command exits with 0, or with the number below "$ echo $?" after it. What stands below a
 command that is not reduced must be in its output, in that order: "..." stands for what is left out, and numbers,
-plurals and spaces
-may differ.
+plurals and spaces may differ.
 """
 
 import os
