@@ -348,6 +348,25 @@ static void check_impulse_bounce(pl_probe *p)
     expect_steps(p, &(motion){ball, falling, 40, false, "a sphere that bounces off a plane"});
 }
 
+/* An elastic box that bounces off a smaller one: all corners of the smaller top act together. */
+static void check_impulse_box_bounce(pl_probe *p)
+{
+    const double velocity[3] = {0, 0, -SPEED};
+    begin(p, 0, 1, true);
+    pl_body pedestal = pl_body_default(), box = pl_body_default();
+    pedestal.is_static = true;
+    pedestal.shape = pl_shape_box(0.2, 0.2, 0.2);
+    box.shape = pl_shape_box(0.5, 0.4, 0.3);
+    box.mass = HEAVY;
+    box.position[2] = 0.2 + 0.3 + 0.07;
+    memcpy(box.velocity, velocity, sizeof box.velocity);
+    (void)pl_probe_add_body(p, pedestal);
+    const int index = pl_probe_add_body(p, box);
+    const int falling = add_falling(p, velocity);
+    pl_probe_create(p);
+    expect_steps(p, &(motion){index, falling, 40, false, "a box that bounces off a smaller one"});
+}
+
 /* Spheres of the same size: engines order the two sides of such contacts in different ways. */
 static void check_impulse_pair(pl_probe *p)
 {
@@ -402,6 +421,8 @@ const pl_check pl_impulse_checks[] = {
      SMOOTH | PL_NEEDS_RESTITUTION, REPORTED, check_impulse_bounce},
     {"impulse-box", "the impulses on a box are those of its motion",
      SMOOTH | PL_NEEDS_BOX | PL_NEEDS_ROTATION, REPORTED, check_impulse_box},
+    {"impulse-box-bounce", "the impulses on a bouncing box are those of its motion",
+     PL_NEEDS_BOX | PL_NEEDS_ROTATION | PL_NEEDS_RESTITUTION, REPORTED, check_impulse_box_bounce},
     {"impulse-pair", "the impulses of a collision are those of both motions", PL_NEEDS_SPHERE,
      REPORTED, check_impulse_pair},
 };

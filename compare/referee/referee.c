@@ -10,6 +10,7 @@
 #include "referee/metrics/expectations.h"
 #include "referee/metrics/motion.h"
 #include "referee/metrics/reference_error.h"
+#include "referee/metrics/repeats.h"
 #include "referee/metrics/series.h"
 #include "referee/metrics/standing.h"
 #include "referee/metrics/touching.h"
@@ -49,6 +50,7 @@ struct pl_referee {
     pl_values *values;
     pl_standing *standing;
     pl_unexplained_motion *unexplained;
+    pl_repeats *repeats;
     pl_series series[SERIES_COUNT];
     long no_contacts_step;     /* first step whose contacts the engine did not report; 0: none */
     bool has_points_alone;     /* in some step the engine reported contacts without impulses */
@@ -72,6 +74,7 @@ pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_erro
         r->values = pl_values_create(scene, arena);
         r->standing = pl_standing_create(scene, arena);
         r->unexplained = pl_unexplained_motion_create(scene, arena);
+        r->repeats = pl_repeats_create(scene, arena);
         r->last = pl_arena_take(arena, (size_t)scene->body_count, sizeof *r->last);
         for (int i = 0; i < SERIES_COUNT; ++i) {
             (void)pl_series_init(&r->series[i], arena);
@@ -179,6 +182,7 @@ static void see_mechanics(pl_referee *r, const pl_step_observation *seen)
         r->foreign_contact_step = r->foreign_contact_step == 0 ? r->done : r->foreign_contact_step;
         step.contact_count = 0;
     }
+    step.repeats = pl_repeats_step(r->repeats, &step);
     pl_mechanics_step(r->mechanics, &step);
     pl_contact_force_step(r->force, &step);
     pl_series_add(&r->series[OF_UNEXPLAINED],

@@ -113,6 +113,11 @@ struct pl_candidate_pairs {
     double *margin; /* (body_count), m: a pair that meets has at most the sum of both as its gap */
     int rows_per_piece;
     pair_piece pieces[PIECES];
+    pl_arena *arena;
+    pl_body_state *bodies; /* (body_count): the last frame */
+    pl_near_pair *seen;    /* (seen_count of seen_capacity): its pairs, in their order */
+    int seen_count, seen_capacity;
+    bool has_seen; /* there is a last frame, and all of its pairs are in `seen` */
 };
 
 /* One frame. */
@@ -151,7 +156,9 @@ pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *a
                               .broad_phase = pl_broad_phase_create(scene, arena),
                               .surfaces = pl_arena_take(arena, count, sizeof(const pl_surface *)),
                               .radius = pl_arena_take(arena, count, sizeof *p->radius),
-                              .margin = pl_arena_take(arena, count, sizeof *p->margin)};
+                              .margin = pl_arena_take(arena, count, sizeof *p->margin),
+                              .arena = arena,
+                              .bodies = pl_arena_take(arena, count, sizeof *p->bodies)};
     if (arena->failed || !make_surfaces(scene, arena, p->surfaces)) {
         return NULL;
     }
@@ -261,12 +268,42 @@ static void fill_pieces(void *context, int begin, int end)
     }
 }
 
+/* The memory of smaller arrays is the arena's until its end. */
+static bool reserve_seen(pl_candidate_pairs *p)
+{
+    if (p->seen_count < p->seen_capacity) {
+        return true;
+    }
+    const int capacity = 2 * p->seen_capacity + PIECES;
+    pl_near_pair *seen = pl_arena_take(p->arena, (size_t)capacity, sizeof *seen);
+    if (seen == NULL) {
+        return false;
+    }
+    if (p->seen_count > 0) {
+        memcpy(seen, p->seen, (size_t)p->seen_count * sizeof *seen);
+    }
+    p->seen = seen;
+    p->seen_capacity = capacity;
+    return true;
+}
+
+/* Hands a pair out, and keeps it for a frame that is the same. */
+static void hand_out(const frame *f, const pl_near_pair *pair)
+{
+    pl_candidate_pairs *p = f->pairs;
+    p->has_seen = p->has_seen && reserve_seen(p);
+    if (p->has_seen) {
+        p->seen[p->seen_count++] = *pair;
+    }
+    f->see(f->context, pair);
+}
+
 static void see_pair(void *context, int a, int b)
 {
     const frame *f = context;
     pl_near_pair pair;
     if (is_near(f, a, b, &pair)) {
-        f->see(f->context, &pair);
+        hand_out(f, &pair);
     }
 }
 
@@ -282,13 +319,11 @@ static void find_margins(const frame *f)
     }
 }
 
-void pl_candidate_pairs_each(pl_candidate_pairs *p, const pl_body_state *bodies,
-                             pl_thread_pool *pool,
-                             void (*see)(void *context, const pl_near_pair *pair), void *context)
+static void find_pairs(frame *f, pl_thread_pool *pool)
 {
-    frame f = {.pairs = p, .bodies = bodies, .see = see, .context = context};
-    find_margins(&f);
-    pl_broad_phase_follow(p->broad_phase, bodies, p->margin, pool);
+    pl_candidate_pairs *p = f->pairs;
+    find_margins(f);
+    pl_broad_phase_follow(p->broad_phase, f->bodies, p->margin, pool);
     const long rows = pl_broad_phase_rows(p->broad_phase);
     for (long row = 0; row < rows;) {
         for (int i = 0; i < PIECES; ++i) {
@@ -296,13 +331,31 @@ void pl_candidate_pairs_each(pl_candidate_pairs *p, const pl_body_state *bodies,
             row = rows - row < p->rows_per_piece ? rows : row + p->rows_per_piece;
             p->pieces[i].end = row;
         }
-        pl_thread_pool_run(pool, PIECES, 1, fill_pieces, &f);
+        pl_thread_pool_run(pool, PIECES, 1, fill_pieces, f);
         for (int i = 0; i < PIECES; ++i) {
             const pair_piece *piece = &p->pieces[i];
             for (int k = 0; k < piece->count; ++k) {
-                see(context, &piece->pairs[k]);
+                hand_out(f, &piece->pairs[k]);
             }
-            pl_broad_phase_see(p->broad_phase, piece->next, piece->end, see_pair, &f);
+            pl_broad_phase_see(p->broad_phase, piece->next, piece->end, see_pair, f);
         }
     }
+}
+
+void pl_candidate_pairs_each(pl_candidate_pairs *p, const pl_body_state *bodies,
+                             pl_thread_pool *pool,
+                             void (*see)(void *context, const pl_near_pair *pair), void *context)
+{
+    const size_t size = (size_t)p->scene->body_count * sizeof *bodies;
+    frame f = {.pairs = p, .bodies = bodies, .see = see, .context = context};
+    if (p->has_seen && memcmp(p->bodies, bodies, size) == 0) {
+        for (int i = 0; i < p->seen_count; ++i) {
+            see(context, &p->seen[i]);
+        }
+        return;
+    }
+    memcpy(p->bodies, bodies, size);
+    p->seen_count = 0;
+    p->has_seen = true;
+    find_pairs(&f, pool);
 }

@@ -358,14 +358,18 @@ void pl_contact_force_step(pl_contact_force *f, const pl_step *step)
     if (f->unreported || f->no_memory) {
         return;
     }
-    f->no_memory = !pl_contact_motion_step(f->motion, step) || !reserve(f, step->contact_count);
+    judging j = {f, step};
+    if (!step->repeats) {
+        f->no_memory = !pl_contact_motion_step(f->motion, step) || !reserve(f, step->contact_count);
+    }
     if (f->no_memory) {
         return;
     }
-    judging j = {f, step};
     pl_thread_pool_run(step->pool, f->scene->body_count, PIECE, see_bodies, &j);
     see_balance(f, step);
-    pl_thread_pool_run(step->pool, step->contact_count, PIECE, see_contacts, &j);
+    if (!step->repeats) {
+        pl_thread_pool_run(step->pool, step->contact_count, PIECE, see_contacts, &j);
+    }
     worst most = {-1, -1, -1};
     for (int i = 0; i < step->contact_count; i += PIECE) {
         const worst *piece = &f->most[i / PIECE];

@@ -123,6 +123,13 @@ typedef struct rounding {
     double energy, momentum, angular;
 } rounding;
 
+/* What impulses add to the sums of all bodies. */
+typedef struct impulse_sums {
+    pl_vec momentum, angular[PL_POSITION_RULE_COUNT];
+    rounding blur;
+    bool has_contact; /* with a static body */
+} impulse_sums;
+
 /* How far the arms of impulses on a body move in a step, by each rule: share x moved, m. */
 typedef struct arm_shift {
     pl_vec moved;
@@ -159,6 +166,7 @@ struct pl_mechanics {
     arm_shift *arms;  /* (body_count): of dynamic bodies, in the step */
     part *parts;      /* (part_capacity) */
     int part_capacity;
+    impulse_sums of_contacts; /* of the last step */
 };
 
 pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
@@ -320,16 +328,28 @@ static void find_moments_there(pl_vec point, part *p)
     }
 }
 
-static void add_part(pl_mechanics *m, const part *p)
+static void add_part(impulse_sums *sums, const part *p)
+{
+    sums->has_contact = sums->has_contact || p->is_contact;
+    sums->blur.momentum += p->blur.momentum;
+    sums->blur.angular += p->blur.angular;
+    if (p->is_external) {
+        sums->momentum = pl_vec_add(sums->momentum, p->impulse);
+        for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+            sums->angular[k] = pl_vec_add(pl_vec_add(sums->angular[k], p->moment[k]), p->torque);
+        }
+    }
+}
+
+static void add_sums(pl_mechanics *m, const impulse_sums *sums)
 {
     external *given = &m->given;
-    m->has_contact = m->has_contact || p->is_contact;
-    m->blur.momentum += p->blur.momentum;
-    m->blur.angular += p->blur.angular;
-    for (int k = 0; k < PL_POSITION_RULE_COUNT && p->is_external; ++k) {
-        given->momentum[k] = pl_vec_add(given->momentum[k], p->impulse);
-        given->angular[k] = pl_vec_add(given->angular[k], p->moment[k]);
-        given->angular[k] = pl_vec_add(given->angular[k], p->torque);
+    m->has_contact = m->has_contact || sums->has_contact;
+    m->blur.momentum += sums->blur.momentum;
+    m->blur.angular += sums->blur.angular;
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        given->momentum[k] = pl_vec_add(given->momentum[k], sums->momentum);
+        given->angular[k] = pl_vec_add(given->angular[k], sums->angular[k]);
     }
 }
 
@@ -352,20 +372,22 @@ static void find_parts(void *context, int begin, int end)
     }
 }
 
-/* Adds the parts of numbers below `count`. */
-static void add_parts(pl_mechanics *m, const pl_step *step, int count, find_part *find)
+/* The sums of the parts of numbers below `count`. */
+static impulse_sums sums_of(pl_mechanics *m, const pl_step *step, int count, find_part *find)
 {
     part_work w = {m, step, find, 0};
+    impulse_sums sums = {.has_contact = false};
     for (int left = count; left > 0; left = count - w.first) {
         const int together = left < m->part_capacity ? left : m->part_capacity;
         pl_thread_pool_run(step->pool, together, PIECE, find_parts, &w);
         for (int i = 0; i < together; ++i) {
             if (!m->parts[i].is_none) {
-                add_part(m, &m->parts[i]);
+                add_part(&sums, &m->parts[i]);
             }
         }
         w.first += together;
     }
+    return sums;
 }
 
 /* In units of the step: an interval shorter by less is the whole step. */
@@ -552,7 +574,8 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
     find_turned(m, step);
     pl_integrator_see(&m->votes, m->scene, step->before, step->after, m->turned);
     find_mean_shifts(m, step);
-    add_parts(m, step, m->scene->body_count, gravity_on);
+    const impulse_sums of_gravity = sums_of(m, step, m->scene->body_count, gravity_on);
+    add_sums(m, &of_gravity);
     for (int i = 0; i < m->scene->force_count; ++i) {
         const pl_force *force = &m->scene->forces[i];
         if (!m->scene->bodies[force->body].is_static &&
@@ -560,7 +583,10 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
             add_force(m, force, step);
         }
     }
-    add_parts(m, step, step->contact_count, impulse_of_contact);
+    if (!step->repeats) {
+        m->of_contacts = sums_of(m, step, step->contact_count, impulse_of_contact);
+    }
+    add_sums(m, &m->of_contacts);
     measure(m, step->after);
 }
 

@@ -44,7 +44,8 @@ typedef struct pl_step {
     const pl_contact *contacts;          /* between bodies of the scene */
     const pl_contact_time *times;        /* of the contacts; NULL: all are of the whole step */
     int contact_count;                   /* < 0: the engine reports no contacts */
-    pl_thread_pool *pool;                /* NULL: one thread */
+    bool repeats;         /* the states, contacts and times are those of the last step */
+    pl_thread_pool *pool; /* NULL: one thread */
 } pl_step;
 
 /* Takes a step, whose contacts may be unreported. */

@@ -1,0 +1,94 @@
+#include "repeats.h"
+
+#include <string.h>
+
+struct pl_repeats {
+    const pl_scene *scene;
+    pl_arena *arena;
+    bool stood;             /* no state changed in the last step */
+    pl_contact *contacts;   /* (count, capacity): of the last step */
+    pl_contact_time *times; /* (count, capacity) */
+    int count, capacity;
+    bool has_times;
+};
+
+pl_repeats *pl_repeats_create(const pl_scene *scene, pl_arena *arena)
+{
+    pl_repeats *r = pl_arena_take(arena, 1, sizeof *r);
+    if (r != NULL) {
+        *r = (pl_repeats){.scene = scene, .arena = arena};
+    }
+    return r;
+}
+
+/* The memory of smaller arrays is the arena's until its end. */
+static bool reserve(pl_repeats *r, int count)
+{
+    if (count <= r->capacity) {
+        return true;
+    }
+    const int capacity = 2 * r->capacity > count ? 2 * r->capacity : count;
+    r->contacts = pl_arena_take(r->arena, (size_t)capacity, sizeof *r->contacts);
+    r->times = pl_arena_take(r->arena, (size_t)capacity, sizeof *r->times);
+    r->capacity = r->contacts != NULL && r->times != NULL ? capacity : 0;
+    return r->capacity > 0;
+}
+
+static bool same_place(const pl_contact_place *a, const pl_contact_place *b)
+{
+    bool same = true;
+    for (int k = 0; k < 3; ++k) {
+        same &= a->arm_a[k] == b->arm_a[k] && a->arm_b[k] == b->arm_b[k] &&
+                a->normal[k] == b->normal[k];
+    }
+    return same;
+}
+
+static bool same_times(const pl_contact_time *a, const pl_contact_time *b, int count)
+{
+    bool same = true;
+    for (int i = 0; i < count && same; ++i) {
+        same = a[i].begin == b[i].begin && a[i].end == b[i].end && a[i].order == b[i].order &&
+               same_place(&a[i].acts, &b[i].acts) && same_place(&a[i].holds, &b[i].holds);
+    }
+    return same;
+}
+
+static bool same_contacts(const pl_repeats *r, const pl_step *step)
+{
+    const int count = step->contact_count;
+    return count == r->count && (step->times != NULL) == r->has_times &&
+           (count <= 0 ||
+            (memcmp(step->contacts, r->contacts, (size_t)count * sizeof *r->contacts) == 0 &&
+             (!r->has_times || same_times(step->times, r->times, count))));
+}
+
+/* Without the memory for a copy, no later step repeats this one. */
+static void keep(pl_repeats *r, const pl_step *step)
+{
+    const int count = step->contact_count;
+    r->count = count;
+    r->has_times = step->times != NULL;
+    if (count > 0 && reserve(r, count)) {
+        memcpy(r->contacts, step->contacts, (size_t)count * sizeof *r->contacts);
+        if (r->has_times) {
+            memcpy(r->times, step->times, (size_t)count * sizeof *r->times);
+        }
+    } else if (count > 0) {
+        r->stood = false;
+    }
+}
+
+bool pl_repeats_step(pl_repeats *r, const pl_step *step)
+{
+    const size_t size = (size_t)r->scene->body_count * sizeof *step->after;
+    const bool stood = r->stood;
+    r->stood = memcmp(step->before, step->after, size) == 0;
+    if (stood && r->stood && same_contacts(r, step)) {
+        return true;
+    }
+    if (r->stood) {
+        keep(r, step);
+    }
+    return false;
+}

@@ -1,0 +1,18 @@
+/* Whether a step repeats the last one: nothing moves, and the same contacts bear the same impulses.
+ * What the referee finds of such a step is what it found of the last one. */
+#ifndef PLUMB_REPEATS_H
+#define PLUMB_REPEATS_H
+
+#include "mechanics.h"
+
+/* A copy of the last step. */
+typedef struct pl_repeats pl_repeats;
+
+/* `scene` and `arena` must outlive it. Memory of the arena; NULL when out of memory. */
+pl_repeats *pl_repeats_create(const pl_scene *scene, pl_arena *arena);
+
+/* Takes a step, whose contacts may be unreported. Returns whether its states, contacts and times are
+ * those of the step taken before it. */
+bool pl_repeats_step(pl_repeats *repeats, const pl_step *step);
+
+#endif
