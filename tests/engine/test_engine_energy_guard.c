@@ -272,7 +272,7 @@ static bool neighbour_pays(double gap)
     assert_int_equal(pe_contacts_update(world, &rules, NULL, H, NULL), PE_OK);
     assert_int_equal(world->contacts.manifold_count, 3); /* the two have one with each other too */
     pe_islands groups;
-    assert_int_equal(pe_islands_find_touching(world, &groups, NULL), PE_OK);
+    assert_int_equal(pe_islands_find_touching(world, NULL, &groups, NULL), PE_OK);
     bool put_back[8] = {false}, solved[8] = {false};
     pe_step s = ending(world, &u, solved);
     pe_energy_report report;

@@ -561,6 +561,42 @@ static void test_statistics_count_depth_left_in_any_island(void **state)
     }
 }
 
+/* ---- Whole steps ---- */
+
+/* Balls in a cubic grid that overlap by up to 1 % or are as far apart. */
+static void add_falling_balls(pe_world *world, check_random *random)
+{
+    for (int i = 0; i < 8; ++i) {
+        pe_body_def def = box_def(1, 1, 1, pe_v3(i & 1, i >> 1 & 1, i >> 2));
+        def.shape = (pe_shape){.kind = PE_SHAPE_SPHERE, .radius = 0.5};
+        def.mass = check_uniform(random, 0.5, 3);
+        def.position = pe_add(def.position, random_vector(random, 0.005));
+        add_body(world, &def);
+    }
+}
+
+/* What parts balls in free fall raises one and lowers the other: nothing holds either. */
+static void test_parted_balls_fall_freely(void **state)
+{
+    (void)state;
+    static const double steps[] = {1.0 / 60, 1.0 / 240, 1.0 / 1000};
+    static const pe_profile profiles[] = {PE_PROFILE_DEFAULT, PE_PROFILE_FAST, PE_PROFILE_ACCURATE};
+    check_random random = {7};
+    for (int i = 0; i < 9 * 24; ++i) {
+        pe_world_def def = pe_world_def_default();
+        def.profile = profiles[i / 3 % 3];
+        pe_world *world = make_world(&def);
+        const double dt = steps[i % 3], fallen = def.gravity.z * dt;
+        add_falling_balls(world, &random);
+        (void)step(world, dt);
+        for (int slot = 1; slot < world->slot_count; ++slot) {
+            const pe_vec3 v = pe_twists(world)[slot].velocity;
+            assert_close(pe_length(pe_sub(v, pe_v3(0, 0, fallen))), 0, 1e-9 * fabs(fallen), i);
+        }
+        pe_world_destroy(world);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -581,6 +617,7 @@ int main(void)
         cmocka_unit_test(test_swept_tower_keeps_small_depths),
         cmocka_unit_test(test_swept_tower_is_freed_of_larger_depths),
         cmocka_unit_test(test_statistics_count_depth_left_in_any_island),
+        cmocka_unit_test(test_parted_balls_fall_freely),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

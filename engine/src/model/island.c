@@ -247,7 +247,8 @@ static bool pushed(const pe_contacts *contacts, const pe_manifold *m)
     return false;
 }
 
-pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error *error)
+pe_status pe_islands_find_touching(pe_world *world, const int *parted, pe_islands *groups,
+                                   pe_error *error)
 {
     size_t slots = (size_t)world->slot_count;
     int *parent = pe_scratch(world, slots, sizeof *parent);
@@ -269,6 +270,13 @@ pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error
             if (links[i].a >= 0) {
                 joined[links[i].a] = joined[links[i].b] = true;
             }
+        }
+    }
+    for (int i = 0; i < pe_awake_count(world) && parted != NULL; ++i) {
+        const int slot = pe_awake(world)[i];
+        if (parted[slot] != slot) {
+            pe_join_roots(parent, slot, parted[slot]);
+            joined[slot] = joined[parted[slot]] = true;
         }
     }
     for (int i = 0; i < pe_awake_count(world); ++i) {

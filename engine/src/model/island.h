@@ -25,10 +25,11 @@ void pe_islands_take(pe_world *world, size_t manifolds, pe_islands *islands);
  * Static bodies do not join the bodies that rest on them. */
 pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error);
 
-/* Finds the groups of bodies that pushed each other in the step, by world->solved, or touch now, by
- * world->contacts. Islands also hold bodies that are merely near. Only the lists of bodies and
- * `place` are filled. */
-pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error *error);
+/* Finds the groups of bodies that pushed each other in the step, by world->solved, touch now, by
+ * world->contacts, or were parted by position correction, by the forest `parted`, (slots), NULL: none.
+ * Islands also hold bodies that are merely near. Only the lists of bodies and `place` are filled. */
+pe_status pe_islands_find_touching(pe_world *world, const int *parted, pe_islands *groups,
+                                   pe_error *error);
 
 /* The root of an item's tree in a forest. */
 int pe_root_of(int *parent, int item);

@@ -169,12 +169,30 @@ static void displace_bodies(void *context, int worker, int begin, int end)
     }
 }
 
+/* Joins the bodies that a contact pushed apart: one may have been raised by what lowered the other, and
+ * the two need not touch any more. */
+static void join_parted(const pe_correction *c, const pe_island_problem *built)
+{
+    const pe_problem *problem = &built->problem;
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *m = &problem->manifold[i];
+        bool pushed = false;
+        for (int j = m->first; j < m->first + m->count; ++j) {
+            pushed = pushed || problem->impulse[j][0] > 0;
+        }
+        if (pushed && m->a < problem->body_count && m->b < problem->body_count) {
+            pe_join_roots(c->step->parted, built->slot[m->a], built->slot[m->b]);
+        }
+    }
+}
+
 /* Moves the bodies by that part; their momenta stay. */
 static void displace(const pe_correction *c, const pe_island_problem *built, double part)
 {
     displacing moving = {c, built, part};
     pe_pool_run(built->problem.pool, built->problem.body_count, BODY_GRAIN, displace_bodies,
                 &moving);
+    join_parted(c, built);
 }
 
 static pe_status correct_island(pe_correction *c, int k)
@@ -277,6 +295,10 @@ static pe_status take_memory(pe_correction *c)
         step->way = pe_scratch_zero(world, slots, sizeof *step->way);
         step->uncorrected_poses = pe_scratch(world, slots, sizeof *step->uncorrected_poses);
         step->uncorrected_twists = pe_scratch(world, slots, sizeof *step->uncorrected_twists);
+        step->parted = pe_scratch(world, slots, sizeof *step->parted);
+        for (int i = 0; i < world->slot_count && step->parted != NULL; ++i) {
+            step->parted[i] = i;
+        }
     }
     return pe_scratch_failed(world)
                ? pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %zu positions", slots)

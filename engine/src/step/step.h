@@ -39,6 +39,7 @@ typedef struct pe_step {
     bool *corrected;                  /* bodies that position correction moved */
     pe_saved_pose *uncorrected_poses; /* of these, before it did; NULL: not yet */
     pe_twist *uncorrected_twists;
+    int *parted; /* (slots): a forest of the bodies that correction pushed apart; NULL: not yet */
     pe_islands end_islands; /* of the contacts that were found last */
     bool has_end_islands;
     const int

@@ -206,7 +206,7 @@ static pe_status guard_energy(pe_step *step)
     if (put_back == NULL) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to step %zu bodies", slots);
     }
-    pe_status status = pe_islands_find_touching(world, &groups, step->error);
+    pe_status status = pe_islands_find_touching(world, step->parted, &groups, step->error);
     if (status != PE_OK) {
         return status;
     }
