@@ -13,6 +13,7 @@
 #include "referee/referee.h"
 #include "reported_values.h"
 #include "resource_usage.h"
+#include "second_run.h"
 
 #include <errno.h>
 #include <math.h>
@@ -43,6 +44,7 @@ typedef struct run {
     double memory;         /* the largest growth from it that was seen, bytes */
     pl_positions_writer positions;
     pl_recorder recorder;
+    pl_state_hashes hashes; /* of a scene that expects the same bits again */
 } run;
 
 /* `user` is the run's watch. */
@@ -162,6 +164,9 @@ static pl_status prepare(run *r, pl_error *error)
         r->pool = pl_thread_pool_create(r->def->referee_threads);
         pl_referee_set_threads(r->referee, r->pool);
     }
+    if (status == PL_OK) {
+        status = pl_state_hashes_create(scene, &r->hashes, error);
+    }
     if (status == PL_OK && r->def->trajectory != NULL) {
         status = write_header(r->def->trajectory, error);
     }
@@ -197,6 +202,7 @@ static pl_status record_frame(run *r, long step, const pl_step_stats *stats, int
         status = pl_positions_write(&r->positions, step, &r->frame, error);
     }
     pl_recorder_step(&r->recorder, &seen);
+    pl_state_hashes_add(&r->hashes, &r->frame);
     return status;
 }
 
@@ -396,6 +402,23 @@ static void judge(run *r, pl_run_result *result)
     set_costs(r->session.cost, result);
 }
 
+/* Makes the run again where the scene expects the same bits. */
+static void judge_bits(run *r, pl_run_result *result)
+{
+    pl_error fault = {.message = ""};
+    pl_difference difference;
+    if (r->hashes.step == NULL || result->outcome != PL_OUTCOME_OK) {
+        return;
+    }
+    const pl_status status = pl_second_run(&r->session, r->def->scene, &r->hashes,
+                                           r->def->cpu_limit, &r->frame, &difference, &fault);
+    if (status == PL_OK) {
+        pl_expectations_judge_bits(&difference, result->metrics.item, &result->metrics.deviations);
+    } else {
+        set_failure(result, status, &fault);
+    }
+}
+
 pl_status pl_run_once(const pl_run_def *def,
                       pl_status (*report)(const pl_run_result *result, void *user, pl_error *error),
                       void *user, pl_error *error)
@@ -427,6 +450,7 @@ pl_status pl_run_once(const pl_run_def *def,
     if (status == PL_OK && started) {
         see_memory(&r);
         judge(&r, &result);
+        judge_bits(&r, &result);
     }
     pl_session_end(&r.session);
     if (status == PL_OK) {
@@ -445,5 +469,6 @@ cleanup:
     free(r.good.bodies);
     free(r.contacts);
     free(r.times);
+    pl_state_hashes_free(&r.hashes);
     return status;
 }

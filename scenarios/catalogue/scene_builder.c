@@ -373,6 +373,13 @@ void pl_build_straight(pl_builder *builder, int body, const pl_straight *path)
     }
 }
 
+void pl_build_same_bits(pl_builder *builder)
+{
+    if (ready(builder)) {
+        builder->scene->same_bits = true;
+    }
+}
+
 void pl_build_statistic(pl_builder *builder, pl_statistic metric, double value, double scale)
 {
     const pl_expect_statistic statistic = {

@@ -155,6 +155,9 @@ typedef struct pl_straight {
  * of its size, its turn within 0.06 rad. */
 void pl_build_straight(pl_builder *builder, int body, const pl_straight *path);
 
+/* Expects that a second run in the same process has the same states, bit for bit. */
+void pl_build_same_bits(pl_builder *builder);
+
 /* Expects exactly this end value of a statistic. The error is divided by `scale`. */
 void pl_build_statistic(pl_builder *builder, pl_statistic metric, double value, double scale);
 

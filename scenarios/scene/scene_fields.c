@@ -115,7 +115,7 @@ static bool has_expectation(const void *object)
     const pl_scene *scene = object;
     return scene->rest_count > 0 || scene->travel_count > 0 || scene->value_count > 0 ||
            scene->statistic_count > 0 || scene->primary_error[0] != '\0' ||
-           !isinf(scene->collapse_distance) || !isinf(scene->acceptance);
+           !isinf(scene->collapse_distance) || !isinf(scene->acceptance) || scene->same_bits;
 }
 
 static bool may_collapse(const void *object)
@@ -143,7 +143,7 @@ static const pl_field scene_fields[] = {
     {"plumb_scene", PL_FIELD_VERSION, .line = 1, ALWAYS,
      .about = "version of this format: 1, or 2 where there are parameters, or an expectation has a "
               "tolerance, a bound, a "
-              "number, or a quantity without direction; both are read alike"},
+              "number, or a quantity without direction, or is same_bits; both are read alike"},
     {"name", PL_FIELD_NAME, offsetof(pl_scene, name), .line = 2, .omit_default = true,
      .about = "for reports"},
     {"parameters", PL_FIELD_PARAMETERS, .line = 3, .items = PL_OBJECT_PARAMETER,
@@ -272,6 +272,8 @@ static const pl_field expect_fields[] = {
     {"values", PL_FIELD_ITEMS, .line = 3, ITEMS(PL_OBJECT_VALUE, values, value_count)},
     {"statistics", PL_FIELD_ITEMS, .line = 3,
      ITEMS(PL_OBJECT_STATISTIC, statistics, statistic_count)},
+    {"same_bits", PL_FIELD_BOOL, offsetof(pl_scene, same_bits), .line = 4, OMITTED,
+     .about = "whether a second run in the same process is to have the same states, bit for bit"},
     {"primary", PL_FIELD_METRIC, offsetof(pl_scene, primary_error), .line = 4,
      WORDS(pl_primary_errors),
      .about = "the metric that reference_error copies; travel_error where there is a travel, "

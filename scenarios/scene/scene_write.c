@@ -291,7 +291,7 @@ static bool is_written(const writer *w, const pl_object *table, const pl_field *
 /* Whether an expectation has what version 1 does not know. */
 static bool needs_version_2(const pl_scene *scene)
 {
-    bool any = false;
+    bool any = scene->same_bits;
     for (int i = 0; i < scene->rest_count; ++i) {
         const pl_expect_rest *rest = &scene->rests[i];
         any = any || rest->tolerance > 0 || rest->orientation_tolerance > 0;

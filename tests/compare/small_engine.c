@@ -3,7 +3,7 @@
  * DEPENDENCY, the function small_engine_drift of another library is added too. With READ_BACK, a
  * type, it computes in that type, and reads back its settings in it. With CONTACTS, a number, it
  * reports that many points between the first two bodies, and says so after the step unless it is
- * SILENT. */
+ * SILENT. With LATER_DRIFT, each world but the first of a process drifts by that too, from step 5 on. */
 #include "plumb/adapter_helpers.h"
 #include "plumb/engine_abi.h"
 
@@ -17,9 +17,19 @@
 #define DRIFT 0
 #endif
 
+#ifdef LATER_DRIFT
+static int worlds; /* that were created: what a right engine does not look at */
+#define WORLDS_ADD (++worlds)
+#else
+#define WORLDS_ADD ((void)0)
+#define LATER_DRIFT 0
+enum { worlds = 0 };
+#endif
+
 struct pl_engine_instance {
     const pl_scene *scene;
     double iterations, dt;
+    int steps;
     pl_body_state states[];
 };
 
@@ -54,6 +64,7 @@ static pl_status create(const pl_engine_setup *setup, pl_engine_instance **insta
         pl_initial_state(&scene->bodies[i], &made->states[i]);
     }
     *instance = made;
+    WORLDS_ADD;
     return PL_OK;
 }
 
@@ -77,8 +88,10 @@ static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *st
             }
         }
     }
+    instance->steps += 1;
+    const double later = worlds > 1 && instance->steps >= 5 ? LATER_DRIFT : 0;
     for (int i = 0; i < instance->scene->body_count; ++i) {
-        instance->states[i].position[2] += DRIFT + small_engine_drift();
+        instance->states[i].position[2] += DRIFT + later + small_engine_drift();
     }
     stats->iterations = instance->iterations;
 #if defined(CONTACTS) && !defined(SILENT)

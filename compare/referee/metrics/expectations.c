@@ -84,8 +84,8 @@ typedef struct judging {
     pl_deviations *deviations;
 } judging;
 
-/* Puts a deviation at its place among the worst ones. */
-static void keep(pl_deviations *d, const judged *j, double ratio)
+/* Puts a deviation at its place among the worst ones. The room for its text; NULL: it is none of them. */
+static char *place_of(pl_deviations *d, double ratio)
 {
     int at = d->off < PL_MOST_DEVIATIONS ? d->off : PL_MOST_DEVIATIONS;
     d->off += 1;
@@ -93,14 +93,21 @@ static void keep(pl_deviations *d, const judged *j, double ratio)
         --at;
     }
     if (at == PL_MOST_DEVIATIONS) {
-        return;
+        return NULL;
     }
     for (int i = PL_MOST_DEVIATIONS - 1; i > at; --i) {
         d->ratio[i] = d->ratio[i - 1];
         memcpy(d->text[i], d->text[i - 1], sizeof d->text[i]);
     }
     d->ratio[at] = ratio;
-    describe(j, d->text[at], sizeof d->text[at]);
+    return d->text[at];
+}
+
+static void see_ratio(pl_metric *metric, double ratio)
+{
+    if (metric->state != PL_METRIC_VALUE || ratio > metric->value) {
+        *metric = pl_metric_value(ratio);
+    }
 }
 
 static void judge(const judging *to, const judged *j)
@@ -109,11 +116,10 @@ static void judge(const judging *to, const judged *j)
         return;
     }
     const double off = outside(j->found, j->low, j->high), ratio = off / j->tolerance;
-    if (to->metric->state != PL_METRIC_VALUE || ratio > to->metric->value) {
-        *to->metric = pl_metric_value(ratio);
-    }
-    if (off > j->tolerance) {
-        keep(to->deviations, j, ratio);
+    see_ratio(to->metric, ratio);
+    char *text = off > j->tolerance ? place_of(to->deviations, ratio) : NULL;
+    if (text != NULL) {
+        describe(j, text, sizeof to->deviations->text[0]);
     }
 }
 
@@ -205,4 +211,20 @@ void pl_expectations_judge(const pl_values *values, const pl_body_state *last, p
     judge_travels(scene, last, &to);
     judge_values(values, scene, item[PL_METRIC_VALUE_ERROR].answer, &to);
     judge_statistics(scene, item, &to);
+}
+
+/* One step is off, and none is not: the tolerance is a half. */
+static const double STEPS_OFF = 0.5;
+
+void pl_expectations_judge_bits(const pl_difference *difference, pl_metric *item,
+                                pl_deviations *deviations)
+{
+    const double ratio = (double)difference->steps / STEPS_OFF;
+    see_ratio(&item[PL_METRIC_EXPECTATION_ERROR], ratio);
+    char *text = difference->steps > 0 ? place_of(deviations, ratio) : NULL;
+    if (text != NULL) {
+        snprintf(text, sizeof deviations->text[0],
+                 "bits: a second run differs in %ld step%s, from step %ld on, expected none",
+                 difference->steps, difference->steps == 1 ? "" : "s", difference->first);
+    }
 }

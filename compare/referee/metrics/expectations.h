@@ -14,4 +14,14 @@
 void pl_expectations_judge(const pl_values *values, const pl_body_state *last, pl_metric *item,
                            pl_deviations *deviations);
 
+/* How a second run differs from the first. */
+typedef struct pl_difference {
+    long steps; /* how many of its steps end in another state */
+    long first; /* of those, from 1; 0: none */
+} pl_difference;
+
+/* Judges the bits of the states of a second run, as one more expectation; after pl_expectations_judge. */
+void pl_expectations_judge_bits(const pl_difference *difference, pl_metric *item,
+                                pl_deviations *deviations);
+
 #endif

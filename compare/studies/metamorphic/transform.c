@@ -188,6 +188,7 @@ pl_status pl_scene_copy_unjudged(const pl_scene *from, pl_scene *to, pl_error *e
     test_case.travel_count = 0;
     test_case.value_count = 0;
     test_case.statistic_count = 0;
+    test_case.same_bits = false;
     test_case.primary_error[0] = '\0';
     test_case.collapse_distance = test_case.acceptance = (double)INFINITY;
     *to = pl_scene_default();

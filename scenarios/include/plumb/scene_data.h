@@ -236,6 +236,8 @@ typedef struct pl_scene {
     double acceptance;
     pl_expect_statistic *statistics; /* (statistic_count): of chaotic motion */
     int statistic_count;             /* number of statistics */
+    bool
+        same_bits; /* a second run in the same process has the same state at every step, bit for bit */
 } pl_scene;
 
 /* The features of an engine that a scenario needs, as bits. For an engine without one of them the

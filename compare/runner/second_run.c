@@ -1,0 +1,87 @@
+#include "second_run.h"
+
+#include "base/hash.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Hashes ---- */
+
+static uint64_t hash_of(const pl_frame *frame)
+{
+    uint64_t hash = PL_HASH_START;
+    for (int i = 0; i < frame->body_count; ++i) {
+        const pl_body_state *s = &frame->bodies[i];
+        hash = pl_hash_numbers(hash, s->position, 3);
+        hash = pl_hash_numbers(hash, s->orientation, 4);
+        hash = pl_hash_numbers(hash, s->velocity, 3);
+        hash = pl_hash_numbers(hash, s->angular_velocity, 3);
+    }
+    return hash;
+}
+
+pl_status pl_state_hashes_create(const pl_scene *scene, pl_state_hashes *hashes, pl_error *error)
+{
+    const long states = pl_scene_steps(scene) + 1;
+    *hashes = (pl_state_hashes){.count = 0};
+    if (scene->same_bits) {
+        hashes->step = calloc((size_t)states, sizeof *hashes->step);
+    }
+    return scene->same_bits && hashes->step == NULL
+               ? pl_fail(error, PL_NO_MEMORY, "no memory for the hashes of %ld states", states)
+               : PL_OK;
+}
+
+void pl_state_hashes_add(pl_state_hashes *hashes, const pl_frame *frame)
+{
+    if (hashes->step != NULL) {
+        hashes->step[hashes->count++] = hash_of(frame);
+    }
+}
+
+void pl_state_hashes_free(pl_state_hashes *hashes)
+{
+    free(hashes->step);
+    *hashes = (pl_state_hashes){.count = 0};
+}
+
+/* ---- The second run ---- */
+
+static void compare_state(pl_session *session, const pl_state_hashes *first, long step,
+                          pl_frame *frame, pl_difference *difference)
+{
+    pl_session_read_frame(session, frame);
+    if (hash_of(frame) != first->step[step]) {
+        difference->first = difference->steps == 0 ? step : difference->first;
+        difference->steps += 1;
+    }
+}
+
+static bool is_over(const pl_session *session, double cpu_limit)
+{
+    const pl_call_cost *cost = session->cost;
+    return cpu_limit > 0 &&
+           cost[PL_CALLS_CREATE].cpu_time + cost[PL_CALLS_STEP].cpu_time > cpu_limit;
+}
+
+pl_status pl_second_run(pl_session *session, const pl_scene *scene, const pl_state_hashes *first,
+                        double cpu_limit, pl_frame *frame, pl_difference *difference,
+                        pl_error *error)
+{
+    pl_call_cost cost[PL_CALL_GROUP_COUNT];
+    *difference = (pl_difference){.steps = 0};
+    memcpy(cost, session->cost, sizeof cost);
+    memset(session->cost, 0, sizeof session->cost);
+    pl_session_destroy(session);
+    pl_status status = pl_session_create(session, scene, error);
+    for (long step = 1; status == PL_OK && step < first->count && !is_over(session, cpu_limit);
+         ++step) {
+        pl_step_stats stats;
+        status = pl_session_step(session, &stats, NULL, error);
+        if (status == PL_OK) {
+            compare_state(session, first, step, frame, difference);
+        }
+    }
+    memcpy(session->cost, cost, sizeof cost);
+    return status;
+}
