@@ -172,6 +172,32 @@ static void test_apexes_are_counted_in_their_window(void **state)
     assert_close(value_found(PL_QUANTITY_APEX, PL_BOUND_EQUAL, 4, 0.7), 0.7, 0, 0);
 }
 
+/* A ball that lies still where an apex at the height of its start is expected. */
+static void test_apex_that_is_not_there_is_off(void **state)
+{
+    (void)state;
+    for (int bound = PL_BOUND_EQUAL; bound <= PL_BOUND_AT_LEAST; ++bound) {
+        run r;
+        run_prepare(&r, 1);
+        run_add_body(&r, "ball", pl_shape_sphere(0.5), false, 0, 0);
+        pl_expect_value value = pl_expect_value_default(&r.scene);
+        value.quantity = PL_QUANTITY_APEX;
+        value.bound = (pl_bound)bound;
+        value.number = 2;
+        value.tolerance = 0.01;
+        assert_int_equal(pl_scene_add_value(&r.scene, &value, NULL), PL_OK);
+        run_begin(&r);
+        run_step_many(&r, 64);
+        run_finish(&r);
+        const bool is_off = bound != PL_BOUND_AT_MOST;
+        assert_int_equal(r.metrics.deviations.off, is_off);
+        if (is_off) {
+            assert_contains(r.metrics.deviations.text[0], "apex 2 of \"ball\": none, expected ");
+        }
+        run_end(&r);
+    }
+}
+
 static void test_energy_is_kinetic_and_potential(void **state)
 {
     (void)state;
@@ -187,6 +213,7 @@ int main(void)
         cmocka_unit_test(test_number_and_bound_never_print_equal),
         cmocka_unit_test(test_bounds_over_time_count_on_one_side),
         cmocka_unit_test(test_apexes_are_counted_in_their_window),
+        cmocka_unit_test(test_apex_that_is_not_there_is_off),
         cmocka_unit_test(test_energy_is_kinetic_and_potential),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -14,6 +14,8 @@ typedef struct judged {
     const char *name; /* of the quantity */
     const char *body; /* NULL: of the whole scene */
     const char *unit; /* with a space before it */
+    int number;       /* of an apex, counted from 1; 0: none */
+    bool lacks;       /* the run does not show what is expected */
     double found;     /* a distance from what is expected where low and high are 0 */
     double low, high; /* equal, except of a statistic */
     double tolerance; /* not finite: none */
@@ -49,14 +51,17 @@ static double print_number(char text[32], int digits, double number)
 /* With as many digits, three or more, as a reader needs to see that the number is off. */
 static void describe(const judged *j, char *text, size_t size)
 {
-    char found[32], low[32], high[32], bound[32], of[PL_NAME_SIZE + 8] = "";
+    char found[32], low[32], high[32], bound[32], number[16] = "", of[PL_NAME_SIZE + 8] = "";
     for (int digits = 3; digits <= 17; ++digits) {
         const double f = print_number(found, digits, j->found);
         const double l = print_number(low, digits, j->low);
         const double h = print_number(high, digits, j->high);
-        if (outside(f, l, h) > print_number(bound, digits, j->tolerance)) {
+        if (outside(f, l, h) > print_number(bound, digits, j->tolerance) || j->lacks) {
             break;
         }
+    }
+    if (j->number > 0) {
+        snprintf(number, sizeof number, " %d", j->number);
     }
     if (j->body != NULL) {
         snprintf(of, sizeof of, " of \"%s\"", j->body);
@@ -73,11 +78,14 @@ static void describe(const judged *j, char *text, size_t size)
     }
     /* What is expected to be 0 is a distance. */
     const bool has_sign = found[0] == '-' && range[0] == '\0';
-    snprintf(text, size, "%s%s: %s%s, expected %swithin %s%s", j->name, of, found + has_sign,
-             j->unit, range, bound, j->unit);
+    snprintf(text, size, "%s%s%s: %s%s, expected %swithin %s%s", j->name, number, of,
+             j->lacks ? "none" : found + has_sign, j->lacks ? "" : j->unit, range, bound, j->unit);
 }
 
 /* ---- Judging ---- */
+
+/* In tolerances: what a run does not show is off by so much at least. Any number above 1 is off. */
+static const double LACKING = 2;
 
 typedef struct judging {
     pl_metric *metric;
@@ -115,7 +123,9 @@ static void judge(const judging *to, const judged *j)
     if (!isfinite(j->tolerance) || isnan(j->found)) {
         return;
     }
-    const double off = outside(j->found, j->low, j->high), ratio = off / j->tolerance;
+    const double outside_by = outside(j->found, j->low, j->high);
+    const double off = j->lacks ? fmax(outside_by, LACKING * j->tolerance) : outside_by;
+    const double ratio = off / j->tolerance;
     see_ratio(to->metric, ratio);
     char *text = off > j->tolerance ? place_of(to->deviations, ratio) : NULL;
     if (text != NULL) {
@@ -173,6 +183,8 @@ static void judge_values(const pl_values *values, const pl_scene *scene, int ans
             .name = quantities[value->quantity].name,
             .body = scene->bodies[value->body].name,
             .unit = quantities[value->quantity].unit,
+            .number = (int)value->number,
+            .lacks = value->bound != PL_BOUND_AT_MOST && pl_values_lack(values, i),
             .found = pl_values_found(values, i),
             .low = value->bound == PL_BOUND_AT_MOST ? -HUGE_VAL : value->value,
             .high = value->bound == PL_BOUND_AT_LEAST ? HUGE_VAL : value->value,

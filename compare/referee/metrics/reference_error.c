@@ -291,21 +291,26 @@ const pl_scene *pl_values_scene(const pl_values *values)
     return values->scene;
 }
 
-double pl_values_found(const pl_values *values, int index)
+bool pl_values_lack(const pl_values *values, int index)
 {
     const reading *r = &values->items[index];
     const pl_expect_value *e = r->expected;
-    if (e->number > 0 && !isfinite(r->found)) {
-        return 0; /* a right engine shows that apex: the error is the whole height */
+    return e->quantity == PL_QUANTITY_PERIOD
+               ? r->crossings < 2 && !(e->until - e->from < 2 * e->value)
+               : e->number > 0 && !isfinite(r->found);
+}
+
+double pl_values_found(const pl_values *values, int index)
+{
+    const reading *r = &values->items[index];
+    if (pl_values_lack(values, index)) {
+        return 0; /* the error is the whole height, or the whole period */
     }
-    if (e->quantity != PL_QUANTITY_PERIOD) {
+    if (r->expected->quantity != PL_QUANTITY_PERIOD) {
         return r->found;
     }
-    if (r->crossings >= 2) {
-        return (r->last_crossing - r->first_crossing) / (double)(r->crossings - 1);
-    }
-    /* A right engine shows one in twice its time: then the error is the whole period. */
-    return e->until - e->from < 2 * e->value ? (double)NAN : 0;
+    return r->crossings < 2 ? (double)NAN
+                            : (r->last_crossing - r->first_crossing) / (double)(r->crossings - 1);
 }
 
 static pl_metric value_error(const pl_values *values)

@@ -34,9 +34,12 @@ double pl_value_error(const pl_expect_value *expected, double found);
 /* The scene that the values are of. */
 const pl_scene *pl_values_scene(const pl_values *values);
 
-/* What the frames show of value number `index`, in its unit. A period that a run should have shown and
- * did not is 0; NAN: the run is too short to show it. */
+/* What the frames show of value number `index`, in its unit. What pl_values_lack is 0; NAN: the run is too
+ * short to show a period. */
 double pl_values_found(const pl_values *values, int index);
+
+/* Whether the frames show no n-th apex, or no whole period in twice its time, where a right engine has one. */
+bool pl_values_lack(const pl_values *values, int index);
 
 /* How far the body is from where a displacement of `distance` along its travel, from the scene's
  * position, takes it, m. */
