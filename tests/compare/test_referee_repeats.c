@@ -46,7 +46,7 @@ static void stand(run *r, bool alternates, double lift, double share, int change
 static void assert_same(const run *a, const run *b)
 {
     for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-        const pl_metric *x = run_metric(a, id), *y = run_metric(b, id);
+        const pl_metric *x = run_metric(a, (pl_metric_id)id), *y = run_metric(b, (pl_metric_id)id);
         if (x->state != y->state) {
             fail_msg("%s: %s, %s", pl_metric_table[id].name, x->reason, y->reason);
         }
