@@ -575,7 +575,7 @@ static void add_falling_balls(pe_world *world, check_random *random)
     }
 }
 
-/* What parts balls in free fall raises one and lowers the other: nothing holds either. */
+/* Position correction raises one ball and lowers the other. Nothing holds either of them. */
 static void test_parted_balls_fall_freely(void **state)
 {
     (void)state;

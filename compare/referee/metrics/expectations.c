@@ -84,7 +84,7 @@ static void describe(const judged *j, char *text, size_t size)
 
 /* ---- Judging ---- */
 
-/* In tolerances: what a run does not show is off by so much at least. Any number above 1 is off. */
+/* In tolerances: the least by which an apex or a period that a run lacks is off. Any number above 1 does. */
 static const double LACKING = 2;
 
 typedef struct judging {

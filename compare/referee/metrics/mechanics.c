@@ -123,7 +123,7 @@ typedef struct rounding {
     double energy, momentum, angular;
 } rounding;
 
-/* What impulses add to the sums of all bodies. */
+/* Sums over impulses: their part in the momenta of all bodies, and in the rounding of these. */
 typedef struct impulse_sums {
     pl_vec momentum, angular[PL_POSITION_RULE_COUNT];
     rounding blur;

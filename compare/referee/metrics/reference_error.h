@@ -34,8 +34,8 @@ double pl_value_error(const pl_expect_value *expected, double found);
 /* The scene that the values are of. */
 const pl_scene *pl_values_scene(const pl_values *values);
 
-/* What the frames show of value number `index`, in its unit. What pl_values_lack is 0; NAN: the run is too
- * short to show a period. */
+/* The value number `index` that the frames show, in its unit. A value that pl_values_lack is 0. NAN: the run
+ * is too short to show a period. */
 double pl_values_found(const pl_values *values, int index);
 
 /* Whether the frames show no n-th apex, or no whole period in twice its time, where a right engine has one. */

@@ -1,5 +1,5 @@
 /* Whether a step repeats the last one: nothing moves, and the same contacts bear the same impulses.
- * What the referee finds of such a step is what it found of the last one. */
+ * The referee need not measure such a step: its numbers are those of the last one. */
 #ifndef PLUMB_REPEATS_H
 #define PLUMB_REPEATS_H
 
