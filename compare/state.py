@@ -258,7 +258,9 @@ def write_symptoms(state):
         after the thread, with a right answer. A configuration that is accurate on all settings of a scene does not show
         the symptom. One that is not accurate may show it, or fail the scene in another way: behind it stands how it
         failed, or which quantities are off, the worst three of each run.
-        {sum(bool(detail) for _, detail, *_ in rows)} of {len(rows)} scenes are missed by some configuration.""")
+        {sum(bool(detail) for _, detail, *_ in rows)} of {len(rows)} scenes are missed by some configuration. The threads
+        are about other engines than Plumb's own, and so this is no ranking: what its users would report is not among
+        the scenes.""")
     table(
         ["scene", "symptom", "reported in", "not accurate", "accurate", "unsupported"],
         [
