@@ -147,7 +147,7 @@ def write_introduction(state):
         on {accurate['plumb:default']} of them. Of the others `{best}` is accurate on the most, {accurate[best]}, and
         `{worst}` on the fewest, {accurate[worst]}.""")
     write("![The first screen of the report: a sentence of verdict for each engine, and the matrix of all scenes and engines, coloured by error](report/state.png)", "")
-    paragraph("""`./compare/state` makes this page and all of its numbers, in less than an hour on two cores. It goes on
+    paragraph("""`./compare/state` makes this page and all of its numbers, in an hour on two cores. It goes on
         where it was stopped. `plumb view state/runs` opens the whole report: a replay of every run, curves and
         tables.""")
     paragraph(f"""Measured with plumb {state.runs[0]['plumb']['version']} on {', '.join(cpus)}. A run ends after 20 s of
