@@ -142,13 +142,17 @@ def write_introduction(state):
     present = sum(engine["present"] for engine in state.engines.values())
     scenes = len({state.case_of(run) for run in state.runs})
     write("# The state of the engines", "")
-    paragraph(f"""{present} engines in {len(state.labels)} configurations ran {scenes} scenes that have a right answer:
-        a closed form, a conservation law, a known resting place or converged statistics. Plumb's own engine is accurate
-        on {accurate['plumb:default']} of them. Of the others `{best}` is accurate on the most, {accurate[best]}, and
-        `{worst}` on the fewest, {accurate[worst]}.""")
+    missed = sorted({state.case_of(run) for run in state.runs
+                     if run["label"] == "plumb:default" and run["verdict"] in ("inaccurate", "failed")})
+    paragraph(f"""{present} engines in {len(state.labels)} configurations ran {scenes} scenes. Each scene has a right
+        answer: a closed form, a conservation law, a known resting place or converged statistics. The engine that this
+        project ships, in `plumb:default`, misses {', '.join(f'`{case}`' for case in missed) or 'none'}. Of the other
+        engines `{best}` is accurate on the most scenes, {accurate[best]}, and `{worst}` on the fewest,
+        {accurate[worst]}. All run at the step of the scene. The other engines run
+        with sleeping off, and the project's own skips islands at rest.""")
     write("![The first screen of the report: a sentence of verdict for each engine, and the matrix of all scenes and engines, coloured by error](report/state.png)", "")
-    paragraph("""`./compare/state` makes this page and all of its numbers, in an hour on two cores. It goes on
-        where it was stopped. `plumb view state/runs` opens the whole report: a replay of every run, curves and
+    paragraph("""`./compare/state` makes this page and all of its numbers, in an hour on two cores. It can be
+        stopped, and continues when it is started again. `plumb view state/runs` opens the whole report: a replay of every run, curves and
         tables.""")
     paragraph(f"""Measured with plumb {state.runs[0]['plumb']['version']} on {', '.join(cpus)}. A run ends after 20 s of
         the engine's CPU time. Of {len(state.findings)} findings {known} have a cause that an experiment shows.""")
@@ -254,10 +258,10 @@ def write_symptoms(state):
     if not rows:
         return
     write("## Reported symptoms in these versions", "")
-    paragraph(f"""Users of engines reported these symptoms in public threads. Each has a scene of the suite `reported`,
-        after the thread, with a right answer. A configuration that is accurate on all settings of a scene does not show
-        the symptom. One that is not accurate may show it, or fail the scene in another way: behind it stands how it
-        failed, or which quantities are off, the worst three of each run.
+    paragraph(f"""Users of engines reported these symptoms in public threads. The suite `reported` has scenes
+        after these threads, each with a right answer. A configuration that is accurate on all settings of a scene does not show
+        the symptom. One that is not accurate may show it, or fail the scene in another way. The table names the outcome,
+        or the quantities that are off, the worst three of each run.
         {sum(bool(detail) for _, detail, *_ in rows)} of {len(rows)} scenes are missed by some configuration. The threads
         are about other engines than Plumb's own, and so this is no ranking: what its users would report is not among
         the scenes.""")

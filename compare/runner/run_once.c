@@ -212,13 +212,6 @@ static void read_frame(run *r, double time)
     r->frame.time = time;
 }
 
-/* The CPU time so far that the limit counts, s: that of create and the steps. Reads serve the harness. */
-static double cpu_time_of(const run *r)
-{
-    const pl_call_cost *cost = r->session.cost;
-    return cost[PL_CALLS_CREATE].cpu_time + cost[PL_CALLS_STEP].cpu_time;
-}
-
 /* Loads the engine. False when that ended the run. */
 static bool load(run *r, pl_run_result *result)
 {
@@ -352,7 +345,8 @@ static bool is_over_limit(const run *r, pl_run_result *result)
 {
     const double limit = r->def->cpu_limit;
     pl_error reason = {.message = ""};
-    if (!(limit > 0) || cpu_time_of(r) <= limit || result->steps_done == result->steps_asked) {
+    if (!(limit > 0) || pl_session_cpu_time(&r->session) <= limit ||
+        result->steps_done == result->steps_asked) {
         return false;
     }
     pl_fail(

@@ -59,9 +59,7 @@ static void compare_state(pl_session *session, const pl_state_hashes *first, lon
 
 static bool is_over(const pl_session *session, double cpu_limit)
 {
-    const pl_call_cost *cost = session->cost;
-    return cpu_limit > 0 &&
-           cost[PL_CALLS_CREATE].cpu_time + cost[PL_CALLS_STEP].cpu_time > cpu_limit;
+    return cpu_limit > 0 && pl_session_cpu_time(session) > cpu_limit;
 }
 
 pl_status pl_second_run(pl_session *session, const pl_scene *scene, const pl_state_hashes *first,

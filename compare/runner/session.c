@@ -316,6 +316,11 @@ pl_pair_coefficients pl_session_read_pair(pl_session *session, int body_a, int b
     return found;
 }
 
+double pl_session_cpu_time(const pl_session *session)
+{
+    return session->cost[PL_CALLS_CREATE].cpu_time + session->cost[PL_CALLS_STEP].cpu_time;
+}
+
 void pl_session_destroy(pl_session *session)
 {
     if (session->instance != NULL) {

@@ -99,6 +99,9 @@ void pl_session_read_settings(pl_session *session, pl_engine_settings *settings)
 /* The coefficients of a pair of bodies as the engine has them; NAN: it does not say. */
 pl_pair_coefficients pl_session_read_pair(pl_session *session, int body_a, int body_b);
 
+/* The CPU time so far that a limit counts, s: that of create and the steps. Reads serve the harness. */
+double pl_session_cpu_time(const pl_session *session);
+
 /* Destroys the instance, if there is one. Another scene may then be created. */
 void pl_session_destroy(pl_session *session);
 

@@ -34,7 +34,7 @@ expect "accurate None" "$(verdict same.json ./right.so)"
 expect "inaccurate bits: a second run differs in 6 steps, from step 5 on, expected none" "$(verdict same.json ./later.so)"
 expect "None the scene states no acceptance" "$(verdict free.json ./later.so)"
 
-# The costs are those of the first run.
+# The steps of the second run are not counted.
 steps=$("$PLUMB" run same.json --engine plumb --json - | python3 -c 'import json, sys; print(json.load(sys.stdin)["steps"]["done"])')
 expect 10 "$steps"
 
