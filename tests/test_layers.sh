@@ -30,36 +30,39 @@ scenarios/include/plumb/scene_data.h: status.h
 scenarios/include/plumb/vec.h: base.h
 scenarios/base:              status.h base.h vec.h
 scenarios/include:           status.h base.h vec.h scene_data.h
-scenarios/scene:             SCENE
+scenarios/solids:            SCENE
+scenarios/scene:             SCENE solids
 scenarios/catalogue:         SCENE scenarios/scene
 scenarios:                   SCENE scenarios/scene
+compare/base:                status.h base.h scenarios/base
 compare/include:             status.h scene_data.h
 compare/template:            status.h scene_data.h compare/include
 compare/adapters:            SCENE compare/include engine/include
-compare/engines:             SCENE compare/include adapters
-compare/referee/geometry:    SCENE compare/include
-compare/referee/metrics:     SCENE compare/include geometry
-compare/referee:             SCENE compare/include geometry metrics
-compare/results:             SCENE compare/include engines metrics
-compare/runner:              SCENE compare/include adapters engines geometry metrics referee results
-compare/conformance:         SCENE compare/include adapters engines geometry results runner
-compare/studies/variant:     SCENE compare/include adapters engines
-compare/studies/sweep:       SCENE compare/include adapters engines metrics results runner variant
-compare/studies/tune:        SCENE compare/include adapters engines metrics results runner variant
-compare/studies/threshold:   SCENE compare/include engines results runner
-compare/studies/ensemble:    SCENE compare/include engines geometry metrics results runner
-compare/studies/reference:   SCENE compare/include adapters engines metrics results runner ensemble
-compare/studies/metamorphic: SCENE compare/include engines geometry results runner
-compare/studies/iterations:  SCENE compare/include adapters engines metrics results runner
-compare/studies/solve:       SCENE compare/include engine/include adapters engines results runner
-compare/gate:                SCENE compare/include metrics results
-compare/report:              SCENE compare/include metrics results sweep
-compare/command:             SCENE compare/include engine/include adapters engines metrics results runner STUDIES conformance gate report
+compare/engines:             HARNESS adapters
+compare/referee/geometry:    HARNESS
+compare/referee/metrics:     HARNESS geometry
+compare/referee:             HARNESS geometry metrics
+compare/results:             HARNESS engines metrics
+compare/runner:              HARNESS adapters engines geometry metrics referee results
+compare/conformance:         HARNESS adapters engines geometry results runner
+compare/studies/variant:     HARNESS adapters engines
+compare/studies/sweep:       HARNESS adapters engines metrics results runner variant
+compare/studies/tune:        HARNESS adapters engines metrics results runner variant
+compare/studies/threshold:   HARNESS engines results runner
+compare/studies/ensemble:    HARNESS engines geometry metrics results runner
+compare/studies/reference:   HARNESS adapters engines metrics results runner ensemble
+compare/studies/metamorphic: HARNESS engines geometry results runner
+compare/studies/iterations:  HARNESS adapters engines metrics results runner
+compare/studies/solve:       HARNESS engine/include adapters engines results runner
+compare/gate:                HARNESS metrics results
+compare/report:              HARNESS metrics results sweep
+compare/command:             HARNESS engine/include adapters engines metrics results runner STUDIES conformance gate report
 compare:                     command
 '
 group() {
     case $1 in
     SCENE) echo status.h base.h vec.h scene_data.h scenarios/include scenarios/base ;;
+    HARNESS) echo $(group SCENE) compare/base compare/include ;;
     STUDIES) echo variant sweep tune threshold ensemble reference metamorphic iterations solve ;;
     *) echo "$1" ;;
     esac
@@ -153,7 +156,7 @@ while read -r user owner symbol; do
     # A public function is used through its header, wherever it is defined.
     case $used in
     engine/src/*) [[ $own == engine/src/* ]] || used=engine/include ;;
-    scenarios/scene | scenarios/catalogue) [[ $own == scenarios/* ]] || used=scenarios/include ;;
+    scenarios/solids | scenarios/scene | scenarios/catalogue) [[ $own == scenarios/* ]] || used=scenarios/include ;;
     esac
     [[ ${allowed[$own]} == *" $used "* ]] || fail "$user calls $symbol of $owner: $own may not use $used"
 done <"$edges"

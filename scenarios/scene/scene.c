@@ -1,9 +1,9 @@
 /* The scene: defaults, growth, mixing of materials, and the features that it needs of an engine. */
 #include "base/array.h"
 #include "plumb/scenario.h"
-#include "polyhedron.h"
 #include "scene_fields.h"
 #include "scene_internal.h"
+#include "solids/polyhedron.h"
 
 #include <math.h>
 #include <stdlib.h>

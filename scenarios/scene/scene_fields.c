@@ -1,6 +1,6 @@
 #include "scene_fields.h"
 
-#include "polyhedron.h"
+#include "solids/polyhedron.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Polyhedra of a scene: adding those made by code, and finding one by its address. */
-#include "polyhedron.h"
 #include "scene_internal.h"
+#include "solids/polyhedron.h"
 
 #include <stdio.h>
 #include <stdlib.h>

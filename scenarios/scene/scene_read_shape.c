@@ -1,10 +1,10 @@
 #include "scene_read_shape.h"
 
-#include "obj.h"
-#include "polyhedron.h"
 #include "scene_check.h"
 #include "scene_internal.h"
 #include "scene_read_fields.h"
+#include "solids/obj.h"
+#include "solids/polyhedron.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -8,8 +8,8 @@
 #include "fuzz.h"
 #include "plumb/engine.h"
 #include "plumb/vec.h"
-#include "scene/obj.h"
-#include "scene/polyhedron.h"
+#include "solids/obj.h"
+#include "solids/polyhedron.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,9 +4,9 @@
 #include "check.h"
 #include "obj_text.h"
 #include "plumb/vec.h"
-#include "scene/obj.h"
-#include "scene/polyhedron.h"
 #include "solid_for_tests.h"
+#include "solids/obj.h"
+#include "solids/polyhedron.h"
 
 #include <locale.h>
 #include <math.h>

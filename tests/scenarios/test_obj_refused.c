@@ -1,7 +1,7 @@
 /* Wavefront .obj files that are refused: each with its line and what was expected and found. */
 #include "check.h"
 #include "obj_text.h"
-#include "scene/obj.h"
+#include "solids/obj.h"
 
 #include <stdio.h>
 #include <string.h>

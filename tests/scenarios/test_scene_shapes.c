@@ -3,10 +3,10 @@
 #include "check.h"
 #include "plumb/scenario.h"
 #include "plumb/vec.h"
-#include "scene/polyhedron.h"
 #include "scene/scene_internal.h"
 #include "scene_equal.h"
 #include "solid_for_tests.h"
+#include "solids/polyhedron.h"
 
 #include <math.h>
 #include <stdio.h>

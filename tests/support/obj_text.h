@@ -3,7 +3,7 @@
 #define PLUMB_TEST_OBJ_TEXT_H
 
 #include "check.h"
-#include "scene/obj.h"
+#include "solids/obj.h"
 
 #include <stdio.h>
 #include <unistd.h>

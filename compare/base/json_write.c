@@ -1,6 +1,6 @@
 #include "json_write.h"
 
-#include "number.h"
+#include "base/number.h"
 
 #include <stdlib.h>
 #include <string.h>

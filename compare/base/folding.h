@@ -3,7 +3,7 @@
 #ifndef PLUMB_FOLDING_H
 #define PLUMB_FOLDING_H
 
-#include "text_buffer.h"
+#include "base/text_buffer.h"
 
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
 #include "table.h"
 
-#include "array.h"
+#include "base/array.h"
 #include "folding.h"
 #include "table_text.h"
 

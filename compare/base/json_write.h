@@ -3,7 +3,7 @@
 #ifndef PLUMB_JSON_WRITE_H
 #define PLUMB_JSON_WRITE_H
 
-#include "text_buffer.h"
+#include "base/text_buffer.h"
 
 #include <jansson.h>
 

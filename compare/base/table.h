@@ -14,7 +14,7 @@
 #ifndef PLUMB_TABLE_H
 #define PLUMB_TABLE_H
 
-#include "text_buffer.h"
+#include "base/text_buffer.h"
 
 #include <stdio.h>
 

@@ -1,0 +1,75 @@
+#include "heap.h"
+
+#include "base/array.h"
+
+#include <jansson.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { EXIT_FAILED = 3 }; /* PL_EXIT_FAILED of the command */
+
+_Noreturn void pl_out_of_memory(void)
+{
+    static const char message[] =
+        "plumb: out of memory; runs that ended are in their results.jsonl\n";
+    (void)!write(STDERR_FILENO, message, sizeof message - 1);
+    _exit(EXIT_FAILED);
+}
+
+/* `memory`, of `size` bytes, which is NULL for 0 bytes too. */
+static void *checked(void *memory, size_t size)
+{
+    if (memory == NULL && size > 0) {
+        pl_out_of_memory();
+    }
+    return memory;
+}
+
+static void *allocate(size_t size)
+{
+    return checked(malloc(size), size);
+}
+
+void pl_heap_guard_json(void)
+{
+    json_set_alloc_funcs(allocate, free);
+}
+
+void *pl_heap_new(size_t count, size_t size)
+{
+    return checked(calloc(count > 0 ? count : 1, size), 1);
+}
+
+char *pl_heap_copy(const char *text)
+{
+    return checked(strdup(text), 1);
+}
+
+char *pl_heap_format(const char *format, ...)
+{
+    char *text;
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vasprintf(&text, format, arguments);
+    va_end(arguments);
+    return checked(length < 0 ? NULL : text, 1);
+}
+
+void pl_push(void *items, int *count, const void *item, size_t size)
+{
+    if (pl_array_push(items, count, item, size, NULL) != PL_OK) {
+        pl_out_of_memory();
+    }
+}
+
+char *pl_text_take(pl_text_buffer *text)
+{
+    if (text->failed) {
+        pl_out_of_memory();
+    }
+    char *taken = text->data != NULL ? text->data : pl_heap_copy("");
+    *text = (pl_text_buffer){0};
+    return taken;
+}

@@ -1,0 +1,34 @@
+/* Memory of the program. Where none is left these functions end the process with exit code 3 and a message, so
+ * their callers have no such case: the runs that ended are on disk, and each engine runs in a process of its own.
+ * Libraries that adapters link report PL_NO_MEMORY instead. What is returned is never NULL, and the caller frees
+ * it. */
+#ifndef PLUMB_HEAP_H
+#define PLUMB_HEAP_H
+
+#include "base/text_buffer.h"
+
+#include <stddef.h>
+
+/* Ends the process with the message and exit code 3. */
+_Noreturn void pl_out_of_memory(void);
+
+/* Makes jansson end the process in the same way: its functions then fail only for wrong arguments. Call it before
+ * the first of them. */
+void pl_heap_guard_json(void);
+
+/* `count` elements of `size` bytes, all zero. */
+void *pl_heap_new(size_t count, size_t size);
+
+/* A copy of the text. */
+char *pl_heap_copy(const char *text);
+
+/* Text as of printf. */
+__attribute__((format(printf, 1, 2))) char *pl_heap_format(const char *format, ...);
+
+/* pl_array_push where memory does not end. */
+void pl_push(void *items, int *count, const void *item, size_t size);
+
+/* The text of the buffer, "" for one to which nothing was added. The buffer is then empty. */
+char *pl_text_take(pl_text_buffer *text);
+
+#endif
