@@ -315,13 +315,19 @@ int pl_call_end(const pl_call *call, pl_status status, const pl_error *error, in
     return signal_number != 0 ? 128 + signal_number : code;
 }
 
-void pl_call_interrupted(const pl_call *call, size_t count, const char *folder)
+int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, pl_status status,
+                      const pl_error *error, int signal_number, int code)
 {
-    pl_print_line(
-        stderr,
-        "%s: interrupted; %zu results are in %s/results.jsonl: the same command with --resume "
-        "goes on from there",
-        call->argv[0], count, folder);
+    const size_t count = store == NULL ? 0 : json_array_size(pl_store_results(store));
+    if (store != NULL && (signal_number != 0 || (status != PL_OK && count > 0))) {
+        pl_print_line(
+            stderr,
+            "%s: not finished; %zu results are in %s/results.jsonl: the same command with "
+            "--resume goes on from there",
+            call->argv[0], count, folder);
+    }
+    pl_store_close(store);
+    return pl_call_end(call, status, error, signal_number, code);
 }
 
 /* Whether it is the option or, as getopt takes it, its beginning. */

@@ -116,8 +116,10 @@ int pl_call_nothing(const pl_call *call, const char *why);
 int pl_call_end(const pl_call *call, pl_status status, const pl_error *error, int signal_number,
                 int code);
 
-/* Reports how to go on after a signal: `count` results are kept in `folder`. */
-void pl_call_interrupted(const pl_call *call, size_t count, const char *folder);
+/* pl_call_end of a command whose results are in the store (NULL: not opened) of `folder`, which it closes. One that did
+ * not come to its end says how to go on. */
+int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, pl_status status,
+                      const pl_error *error, int signal_number, int code);
 
 /* Opens the journal of the study that this call makes, in the folder of --out, which exists, or in
  * the working directory. The call is the same as another where only --resume and --force differ. */

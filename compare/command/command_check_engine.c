@@ -24,7 +24,6 @@ typedef struct checking {
     bool failed;  /* some check of some engine */
     bool headed;  /* the line that names the engine in work is printed */
     json_t *list; /* an item for each engine that was checked */
-    pl_journal *journal;
 } checking;
 
 static pl_status check_names(const options *o, pl_error *error)
@@ -120,55 +119,6 @@ static json_t *result_json(const pl_check_result *result)
     return object;
 }
 
-/* What the journal has of a check; false for JSON that is none. */
-static bool read_result(const json_t *object, pl_check_result *result)
-{
-    const struct {
-        const char *key;
-        char *text;
-        size_t size;
-    } texts[] = {{"expected", result->expected, sizeof result->expected},
-                 {"found", result->found, sizeof result->found},
-                 {"likely", result->cause, sizeof result->cause}};
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
-        snprintf(texts[i].text, texts[i].size, "%s", pl_json_get_text(object, texts[i].key));
-    }
-    for (int i = 0; i < 3; ++i) {
-        if (strcmp(outcome_names[i], pl_json_get_text(object, "outcome")) == 0) {
-            result->outcome = (pl_check_outcome)i;
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Makes a check, unless the journal has it. */
-static pl_status make_check(const checking *c, int index, const pl_engine_choice *choice,
-                            pl_check_result *result, pl_error *error)
-{
-    char key[PL_HASH_TEXT_SIZE];
-    uint64_t hash = pl_hash_text(PL_HASH_START, choice->spec);
-    hash = pl_hash_text(hash, choice->engine->binary);
-    hash = pl_hash_numbers(hash, choice->values, choice->engine->option_count);
-    hash = pl_hash_text(pl_hash_byte(hash, (unsigned char)choice->profile),
-                        pl_conformance_name(index));
-    pl_hash_hex(hash, key);
-    *result =
-        (pl_check_result){.name = pl_conformance_name(index), .title = pl_conformance_title(index)};
-    json_t *record = pl_journal_take(c->journal, key);
-    pl_status status = PL_OK;
-    if (!read_result(record, result)) {
-        json_decref(record);
-        status = pl_conformance_run(index, choice, &c->options->request.limits, result, error);
-        record = result_json(result);
-        if (status == PL_OK) {
-            status = pl_journal_add(c->journal, key, record, error);
-        }
-    }
-    json_decref(record);
-    return status;
-}
-
 static void take_result(checking *c, const pl_engine_choice *choice, const pl_check_result *result,
                         json_t *results)
 {
@@ -204,7 +154,7 @@ static pl_status run_checks(checking *c, const pl_engine_choice *choice, json_t 
     for (int i = 0; i < pl_conformance_count() && status == PL_OK; ++i) {
         pl_check_result result;
         if (is_asked(c->options, i)) {
-            status = make_check(c, i, choice, &result, error);
+            status = pl_conformance_run(i, choice, &c->options->request.limits, &result, error);
             if (status == PL_OK) {
                 counts[result.outcome] += 1;
                 take_result(c, choice, &result, results);
@@ -330,7 +280,7 @@ static int run(const pl_call *call)
     if (o.list) {
         print_list();
     } else {
-        status = pl_request_journal(call, &o.request, &c.journal, &error);
+        status = pl_request_outputs(&o.request, NULL, &error);
         if (status == PL_OK) {
             status = check_engines(&c, &error);
         }
@@ -338,8 +288,7 @@ static int run(const pl_call *call)
     json_decref(c.list);
     free(o.checks.items);
     pl_request_free(&o.request);
-    return pl_call_end_study(call, c.journal, status, &error, 0,
-                             c.failed ? PL_EXIT_GATE : PL_EXIT_OK);
+    return pl_call_end(call, status, &error, 0, c.failed ? PL_EXIT_GATE : PL_EXIT_OK);
 }
 
 static const pl_option OPTIONS[] = {
@@ -379,6 +328,6 @@ const pl_command pl_command_check_engine = {
         "  plumb check-engine plumb bullet --all-profiles --json conformance.json\n"
         "  plumb check-engine --list",
     .options = OPTIONS,
-    .shared = {pl_limit_options, pl_study_options},
+    .shared = {pl_limit_options, pl_force_options},
     .check = check,
     .run = run};

@@ -38,21 +38,19 @@ typedef struct references {
 typedef struct keeper {
     pl_store *store;
     const pl_plan *plan;
-    const pl_metric *tolerances; /* of pl_tolerance_search; NULL: not asked for */
+    const pl_metric *tolerances; /* of pl_tolerance_search */
 } keeper;
 
-static bool skip(void *user, const char *run)
+static bool has_result(void *user, const char *run)
 {
     const keeper *k = user;
-    return pl_store_has(k->store, run);
+    return pl_store_find(k->store, run) != NULL;
 }
 
-static pl_status keep(void *user, json_t *result, pl_error *error)
+static void amend(void *user, json_t *result)
 {
     const keeper *k = user;
-    pl_status status =
-        k->tolerances == NULL ? PL_OK : pl_tolerance_put(k->plan, k->tolerances, result, error);
-    return status == PL_OK ? pl_store_append(k->store, result, error) : status;
+    pl_tolerance_put(k->plan, k->tolerances, result);
 }
 
 static void print_table(const json_t *results)
@@ -97,8 +95,7 @@ static pl_status deliver(const options *o, json_t *results, const json_t *refere
 
 /* The searches first, because a row is written whole; then the runs of the plan. */
 static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store, json_t *provenance,
-                         const char *recordings, pl_journal *journal, int *signal_number,
-                         pl_error *error)
+                         const char *recordings, int *signal_number, pl_error *error)
 {
     keeper k = {.store = store, .plan = plan};
     pl_execution_def execution = {.plan = plan,
@@ -106,10 +103,9 @@ static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store,
                                   .limits = o->request.limits,
                                   .recordings = recordings,
                                   .provenance = provenance,
+                                  .store = store,
                                   .progress = stderr,
-                                  .user = &k,
-                                  .skip = skip,
-                                  .keep = keep};
+                                  .user = &k};
     if (!o->tolerance) {
         return pl_execute(&execution, signal_number, error);
     }
@@ -117,10 +113,10 @@ static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store,
     const pl_tolerance_def def = {.plan = plan,
                                   .limits = o->request.limits,
                                   .provenance = provenance,
-                                  .journal = journal,
+                                  .store = store,
                                   .bar = &bar,
                                   .user = &k,
-                                  .skip = skip};
+                                  .skip = has_result};
     long searches = 0, due = 0;
     pl_metric *tolerances = NULL;
     pl_status status = pl_tolerance_most_runs(&def, &searches, error);
@@ -134,6 +130,7 @@ static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store,
     execution.bar = &bar;
     status = pl_tolerance_search(&def, &tolerances, signal_number, error);
     k.tolerances = tolerances;
+    execution.amend = amend;
     if (status == PL_OK && *signal_number == 0) {
         status = pl_execute(&execution, signal_number, error);
     }
@@ -182,7 +179,7 @@ static pl_status begin_references(const options *o, const pl_plan *plan, referen
 
 /* Makes the references and writes them. */
 static pl_status make_references(const options *o, const pl_plan *plan, const json_t *results,
-                                 json_t *provenance, pl_journal *journal, references *r,
+                                 json_t *provenance, pl_store *store, references *r,
                                  int *signal_number, pl_error *error)
 {
     const pl_reference_study_def def = {.execution = {.plan = plan,
@@ -190,7 +187,7 @@ static pl_status make_references(const options *o, const pl_plan *plan, const js
                                                       .limits = o->request.limits,
                                                       .positions = r->folder,
                                                       .provenance = provenance,
-                                                      .journal = journal,
+                                                      .store = store,
                                                       .progress = stderr},
                                         .results = results,
                                         .before = r->before};
@@ -238,7 +235,6 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     pl_error error = {.message = ""};
     pl_store *store = NULL;
     references r = {.due = 0};
-    pl_journal *journal = NULL;
     static const char *const report_files[] = {"index.html", NULL};
     const pl_store_mode mode = pl_store_mode_of(o->request.resume, o->request.force);
     int signal_number = 0;
@@ -254,32 +250,28 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     if (status == PL_OK) {
         status = begin_references(o, plan, &r, &error);
     }
-    if (status == PL_OK && (o->tolerance || r.due > 0)) {
-        status = pl_call_journal(call, o->request.out, mode, &journal, &error);
-    }
     if (status == PL_OK) {
         pl_request_note_threads(call, plan);
-        status = run_all(o, plan, store, provenance, recordings, journal, &signal_number, &error);
+        status = run_all(o, plan, store, provenance, recordings, &signal_number, &error);
     }
     free(recordings);
     if (status == PL_OK && signal_number == 0) {
-        status = make_references(o, plan, pl_store_results(store), provenance, journal, &r,
+        status = make_references(o, plan, pl_store_results(store), provenance, store, &r,
                                  &signal_number, &error);
     }
-    if (status == PL_OK && signal_number != 0) {
-        pl_call_interrupted(call, json_array_size(pl_store_results(store)), o->request.out);
-    } else if (status == PL_OK) {
+    if (status == PL_OK && signal_number == 0) {
+        json_t *results = pl_results_of_study(pl_store_results(store), NULL);
         drop_old_reference(&r);
-        status = deliver(o, pl_store_results(store), r.outcome, &error);
-        code = pl_results_all_unsupported(pl_store_results(store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
+        status = deliver(o, results, r.outcome, &error);
+        code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
+        json_decref(results);
     }
     if (status == PL_OK && signal_number == 0) {
         remove_old(o, store);
     }
-    pl_store_close(store);
     free_references(&r);
     json_decref(provenance);
-    return pl_call_end_study(call, journal, status, &error, signal_number, code);
+    return pl_call_end_store(call, store, o->request.out, status, &error, signal_number, code);
 }
 
 static int run(const pl_call *call)

@@ -74,16 +74,6 @@ static pl_status add_cases(void *user, int setting, pl_plan *plan, pl_error *err
     return pl_request_add_cases(&request, plan, error);
 }
 
-static bool skip(void *user, const char *run)
-{
-    return pl_store_has(user, run);
-}
-
-static pl_status keep_result(void *user, json_t *result, pl_error *error)
-{
-    return pl_store_append(user, result, error);
-}
-
 static char *path_in(const char *folder, const char *name, pl_error *error)
 {
     char *path = NULL;
@@ -168,25 +158,20 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan,
                                             .limits = o->request.limits,
                                             .positions = folder,
                                             .provenance = provenance,
-                                            .progress = stderr,
-                                            .user = store,
-                                            .skip = skip,
-                                            .keep = keep_result};
+                                            .store = store,
+                                            .progress = stderr};
         status = pl_execute(&execution, &signal_number, &error);
     }
-    if (status == PL_OK && signal_number != 0) {
-        pl_call_interrupted(call, json_array_size(pl_store_results(store)), o->request.out);
-    } else if (status == PL_OK) {
+    if (status == PL_OK && signal_number == 0) {
         status = conclude(o, plan, ensembles, pl_store_results(store), folder, &error);
         code = pl_results_all_unsupported(pl_store_results(store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
         if (status == PL_OK) {
             pl_store_finish(store);
         }
     }
-    pl_store_close(store);
     json_decref(provenance);
     free(folder);
-    return pl_call_end(call, status, &error, signal_number, code);
+    return pl_call_end_store(call, store, o->request.out, status, &error, signal_number, code);
 }
 
 static pl_status make_plan(const pl_call *call, options *o, pl_plan *plan, pl_ensembles *ensembles,

@@ -4,10 +4,11 @@
 #include "report/report.h"
 #include "report/study_page.h"
 #include "report/sweep_report.h"
-#include "request.h"
 #include "results/result.h"
 #include "results/store.h"
 #include "studies/sweep/shard_merge.h"
+#include "study_command.h"
+#include "study_list.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -98,10 +99,10 @@ static bool is_sweep(const pl_sweep_analysis *analysis)
 }
 
 /* Of a sweep, who is faster at the same error. */
-static pl_status analyse(const pl_request *request, const pl_merge *merge, pl_error *error)
+static pl_status analyse(const pl_request *request, const json_t *results, pl_error *error)
 {
     pl_sweep_analysis analysis;
-    pl_status status = pl_sweep_analyse(merge->results, &analysis, error);
+    pl_status status = pl_sweep_analyse(results, &analysis, error);
     if (status == PL_OK && is_sweep(&analysis)) {
         status = pl_sweep_report_write(request->out, &analysis, error);
         if (status == PL_OK) {
@@ -161,6 +162,37 @@ static pl_status write_report(const options *o, const json_t *results, pl_error 
     return status;
 }
 
+/* Concludes every study that has runs among the results. */
+static pl_status conclude_studies(const pl_request *request, const json_t *results, pl_error *error)
+{
+    pl_status status = PL_OK;
+    int count = 0;
+    const pl_study *const *studies = pl_studies(&count);
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        json_t *own = pl_results_of_study(results, studies[i]->name);
+        if (json_array_size(own) > 0) {
+            status = pl_study_deliver(request, studies[i], own, request->names.items[0], error);
+        }
+        json_decref(own);
+    }
+    return status;
+}
+
+/* The report of the runs that belong to no study. */
+static pl_status report_plain(const options *o, const json_t *results, pl_error *error)
+{
+    json_t *plain = pl_results_of_study(results, NULL);
+    pl_status status = PL_OK;
+    if (json_array_size(plain) > 0) {
+        status = write_report(o, plain, error);
+    }
+    if (status == PL_OK && json_array_size(plain) > 0) {
+        status = analyse(&o->request, plain, error);
+    }
+    json_decref(plain);
+    return status;
+}
+
 /* The store is held open while its file is replaced, so that nobody else is writing it. */
 static pl_status deliver(const options *o, const pl_merge *merge, pl_error *error)
 {
@@ -188,10 +220,10 @@ static pl_status deliver(const options *o, const pl_merge *merge, pl_error *erro
             check_file(request, json_array_size(pl_store_results(store)) > 0, "index.html", error);
     }
     if (status == PL_OK) {
-        status = write_report(o, merge->results, error);
+        status = report_plain(o, merge->results, error);
     }
     if (status == PL_OK) {
-        status = analyse(request, merge, error);
+        status = conclude_studies(request, merge->results, error);
     }
     if (status == PL_OK) {
         status = pl_merge_write(merge, path, error);
@@ -259,12 +291,14 @@ static bool is_study(const pl_request *request, pl_status *status, pl_error *err
     }
     char page[PL_STUDY_KIND_SIZE + 8];
     snprintf(page, sizeof page, "%s.html", kind);
+    const pl_study *known = pl_study_find(kind);
     *status = check_file(request, false, page, error);
     if (*status == PL_OK) {
         *status = pl_make_directories(request->out, error);
     }
     if (*status == PL_OK) {
-        *status = pl_study_page_write(request->out, kind, study, error);
+        *status = known != NULL ? pl_study_write_page(request->out, known, study, error)
+                                : pl_study_page_write(request->out, kind, study, error);
     }
     if (*status == PL_OK) {
         pl_print_line(stderr, "the page is in %s/%s.html", request->out, kind);

@@ -219,7 +219,7 @@ static pl_status execute(const pl_call *call, const options *o, pl_plan *plan, j
                                             .provenance = provenance,
                                             .progress = isatty(STDERR_FILENO) == 1 ? stderr : NULL,
                                             .user = result,
-                                            .keep = keep};
+                                            .take = keep};
         status = pl_execute(&execution, signal_number, error);
     }
     status = close_trajectory(&frames, status, *signal_number == 0, error);

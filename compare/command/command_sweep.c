@@ -55,31 +55,29 @@ typedef struct keeper {
     pl_repeats repeats;
 } keeper;
 
-static bool is_there(const keeper *k, const char *run)
-{
-    return json_object_get(k->before.runs, run) != NULL || pl_store_has(k->store, run);
-}
-
+/* What another shard has, or has been too slow, is not made. */
 static bool skip(void *user, const char *run)
 {
     const keeper *k = user;
-    return is_there(k, run) || pl_repeats_spare(&k->repeats, run);
+    return pl_store_find(k->store, run) == NULL &&
+           (json_object_get(k->before.runs, run) != NULL || pl_repeats_spare(&k->repeats, run));
 }
 
 static pl_status keep_one(void *user, json_t *result, pl_error *error)
 {
     keeper *k = user;
+    const char *run = pl_json_get_text(result, "run");
     pl_repeats_see(&k->repeats, result);
-    return is_there(k, pl_json_get_text(result, "run")) ? PL_OK
-                                                        : pl_store_append(k->store, result, error);
+    return pl_store_find(k->store, run) != NULL || json_object_get(k->before.runs, run) != NULL
+               ? PL_OK
+               : pl_store_append(k->store, result, error);
 }
 
-static pl_status keep(void *user, json_t *result, pl_error *error)
+static pl_status take(void *user, json_t *result, pl_error *error)
 {
     keeper *k = user;
-    pl_status status = keep_one(k, result, error);
-    return status == PL_OK ? pl_prune_timeouts(k->plan, result, k->provenance, k, keep_one, error)
-                           : status;
+    pl_repeats_see(&k->repeats, result);
+    return pl_prune_timeouts(k->plan, result, k->provenance, k, keep_one, error);
 }
 
 /* What earlier runs left is read before the store is open: a lock of fcntl(2) ends when any
@@ -167,27 +165,25 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
                                             .jobs = o->request.jobs,
                                             .limits = o->request.limits,
                                             .provenance = k.provenance,
+                                            .store = k.store,
                                             .progress = stderr,
                                             .user = &k,
                                             .skip = skip,
-                                            .keep = keep};
+                                            .take = take};
         pl_request_note_threads(call, plan);
         status = pl_execute(&execution, &signal_number, &error);
     }
-    if (status == PL_OK && signal_number != 0) {
-        pl_call_interrupted(call, json_array_size(pl_store_results(k.store)), folder);
-    } else if (status == PL_OK) {
+    if (status == PL_OK && signal_number == 0) {
         status = deliver(o, &k, is_shard, folder, &error);
         if (status == PL_OK) {
             pl_store_finish(k.store);
         }
         code = pl_results_all_unsupported(pl_store_results(k.store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     }
-    pl_store_close(k.store);
     pl_merge_free(&k.before);
     pl_repeats_free(&k.repeats);
     json_decref(k.provenance);
-    return pl_call_end(call, status, &error, signal_number, code);
+    return pl_call_end_store(call, k.store, folder, status, &error, signal_number, code);
 }
 
 /* Which shard, and where its results go; *folder is malloc'd. */

@@ -1,7 +1,6 @@
 /* plumb threshold: the critical value of a scenario's parameter, bisected on every engine. */
-#include "request.h"
-#include "results/store.h"
 #include "studies/threshold/threshold.h"
+#include "study_command.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,12 +11,6 @@ typedef struct options {
     pl_texts varied;  /* --vary NAME[=LOW..HIGH] */
     double tolerance; /* of the parameter; NAN: the scenario's own, else 1e-5 of the range */
 } options;
-
-/* The searched parameters of all cases: a case's descriptor is a copy with a threshold. */
-typedef struct aims {
-    pl_scenario *descriptors; /* (case_count) */
-    pl_threshold *thresholds; /* (case_count) */
-} aims;
 
 /* An error with the names of those that have one. */
 static pl_status fail_without(const char *what, pl_error *error)
@@ -210,27 +203,20 @@ static pl_status check_varied(const options *o, const pl_plan *plan, pl_error *e
 }
 
 /* Gives each case what is searched for in it, and leaves out the cases that have nothing. */
-static pl_status aim(const options *o, pl_plan *plan, aims *made, pl_error *error)
+static pl_status aim(const options *o, pl_plan *plan, pl_error *error)
 {
-    const size_t count = (size_t)plan->case_count;
     int kept = 0;
     pl_status status = check_varied(o, plan, error);
-    made->descriptors = calloc(count + 1, sizeof *made->descriptors);
-    made->thresholds = calloc(count + 1, sizeof *made->thresholds);
-    if (status == PL_OK && (made->descriptors == NULL || made->thresholds == NULL)) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
     for (int i = 0; i < plan->case_count && status == PL_OK; ++i) {
         pl_case this_case = plan->cases[i];
-        pl_threshold *threshold = &made->thresholds[kept];
-        status = aim_at(o, this_case.descriptor, threshold, error);
+        pl_threshold threshold;
+        status = aim_at(o, this_case.descriptor, &threshold, error);
         if (status == PL_OK) {
-            status = check_case(&o->request, &this_case, threshold, error);
+            status = check_case(&o->request, &this_case, &threshold, error);
         }
-        if (status == PL_OK && threshold->param != NULL) {
-            made->descriptors[kept] = *this_case.descriptor;
-            made->descriptors[kept].threshold = threshold;
-            this_case.descriptor = &made->descriptors[kept];
+        if (status == PL_OK && threshold.param != NULL) {
+            this_case.study =
+                pl_threshold_study_of(this_case.descriptor, &threshold, this_case.params);
             plan->cases[i] = plan->cases[kept];
             plan->cases[kept++] = this_case;
         }
@@ -243,70 +229,9 @@ static pl_status aim(const options *o, pl_plan *plan, aims *made, pl_error *erro
     return status != PL_OK || kept > 0 ? status : fail_without("the suite", error);
 }
 
-static pl_status write_lines(const char *path, const pl_plan *plan,
-                             const pl_threshold_search *searches, int count, json_t *provenance,
-                             const char *started, pl_error *error)
+static pl_status make_runs(void *user, pl_execution_def *how, int *signal_number, pl_error *error)
 {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
-    bool complete = stream != NULL;
-    for (int i = 0; i < count && complete; ++i) {
-        json_t *row = pl_threshold_json(plan, &searches[i], provenance, started);
-        char *line = row == NULL ? NULL : pl_result_to_line(row);
-        complete = line != NULL && fprintf(stream, "%s\n", line) > 0;
-        free(line);
-        json_decref(row);
-    }
-    complete = stream != NULL && fclose(stream) == 0 && complete;
-    pl_status status = complete ? pl_write_text(path, text, length, error)
-                                : pl_fail(error, PL_NO_MEMORY, "out of memory for %s", path);
-    free(text);
-    return status;
-}
-
-static bool all_unsupported(const pl_threshold_search *searches, int count)
-{
-    for (int i = 0; i < count; ++i) {
-        if (strcmp(searches[i].outcome, "unsupported") != 0) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static int search(const pl_call *call, const pl_request *request, const pl_plan *plan)
-{
-    pl_error error = {.message = ""};
-    pl_threshold_search *searches = NULL;
-    int count = 0, signal_number = 0, code = PL_EXIT_OK;
-    char started[32];
-    pl_timestamp(started);
-    pl_journal *journal = NULL;
-    json_t *provenance = pl_call_provenance(call, &error);
-    pl_status status =
-        provenance == NULL ? PL_NO_MEMORY : pl_request_journal(call, request, &journal, &error);
-    const pl_threshold_search_def def = {.plan = plan,
-                                         .jobs = request->jobs,
-                                         .limits = request->limits,
-                                         .provenance = provenance,
-                                         .journal = journal,
-                                         .progress = stderr};
-    if (status == PL_OK) {
-        status = pl_find_thresholds(&def, &searches, &count, &signal_number, &error);
-    }
-    if (status == PL_OK && signal_number == 0) {
-        code = all_unsupported(searches, count) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-        if (request->json != NULL) {
-            status = write_lines(request->json, plan, searches, count, provenance, started, &error);
-        }
-        if (!pl_is_stdout(request->json)) {
-            pl_threshold_print(stdout, plan, searches, count);
-        }
-    }
-    free(searches);
-    json_decref(provenance);
-    return pl_call_end_study(call, journal, status, &error, signal_number, code);
+    return pl_threshold_run(user, how, signal_number, error);
 }
 
 static pl_status check(void *user, pl_error *error)
@@ -320,14 +245,14 @@ static pl_status check(void *user, pl_error *error)
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default(), .tolerance = (double)NAN};
+    o.request.out = "threshold";
     pl_call_parse(call, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
-    aims made = {.descriptors = NULL};
     int code = PL_EXIT_OK;
     pl_status status = pl_request_add_cases(&o.request, &plan, &error);
     if (status == PL_OK) {
-        status = aim(&o, &plan, &made, &error);
+        status = aim(&o, &plan, &error);
     }
     if (status == PL_OK) {
         status = pl_request_add_engines(call, &o.request, &plan, &error);
@@ -337,11 +262,10 @@ static int run(const pl_call *call)
     } else if (plan.configuration_count == 0) {
         code = pl_call_nothing(call, "there is no engine to search on");
     } else {
-        code = search(call, &o.request, &plan);
+        const pl_study_work work = {&pl_threshold_study, &plan, make_runs};
+        code = pl_study_command(call, &o.request, &work);
     }
     pl_plan_free(&plan);
-    free(made.descriptors);
-    free(made.thresholds);
     free(o.varied.items);
     pl_request_free(&o.request);
     return code;
@@ -360,8 +284,10 @@ static const pl_option OPTIONS[] = {
      .max = 1e300},
     {"suite", NULL, "All scenarios of a suite that have a threshold (repeatable)",
      .kind = PL_OPTION_HELP},
-    {"json", NULL, "Write a JSON object a line for each scenario and engine (- is standard output)",
+    {"json", NULL,
+     "Write an array of an object for each scenario and engine (- is standard output)",
      .kind = PL_OPTION_HELP},
+    {"out", NULL, "Where results and page go (default threshold)", .kind = PL_OPTION_HELP},
     {"jobs", NULL, "Runs at a time, of different searches (default 1)", .kind = PL_OPTION_HELP},
     {0}};
 
@@ -380,9 +306,9 @@ const pl_command pl_command_threshold = {
              "  plumb threshold slope-threshold --set friction=0.5\n"
              "  plumb threshold slope-threshold slope-tip --engine plumb --engine ode:quick\n"
              "  plumb threshold ramp.json --vary mu=0.1..1 --engine plumb\n"
-             "  plumb threshold --suite hard --jobs 2 --json thresholds.jsonl",
+             "  plumb threshold --suite hard --jobs 2 --json thresholds.json",
     .options = OPTIONS,
     .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,
-               pl_jobs_options, pl_study_options},
+               pl_jobs_options, pl_out_options},
     .check = check,
     .run = run};

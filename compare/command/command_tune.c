@@ -78,14 +78,15 @@ static pl_status write_tuning(const options *o, const pl_tune_def *def, const pl
 }
 
 /* Before any run: whether the outcome can be written. */
-static pl_status open_journal(const pl_call *call, const options *o, const pl_tune_space *space,
-                              pl_journal **journal, pl_error *error)
+static pl_status open_store(const options *o, const pl_tune_space *space, pl_store **store,
+                            pl_error *error)
 {
     char *path = profile_path(o, space);
-    pl_status status = path == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                                    : pl_request_outputs(&o->request, path, error);
+    pl_status status = pl_request_outputs(&o->request, path, error);
     if (status == PL_OK) {
-        status = pl_request_journal(call, &o->request, journal, error);
+        status =
+            pl_store_open(o->request.out, pl_store_mode_of(o->request.resume, o->request.force),
+                          NULL, store, error);
     }
     free(path);
     return status;
@@ -96,10 +97,9 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
 {
     pl_error error = {.message = ""};
     pl_tuning tuning = {.runs = 0};
-    pl_journal *journal = NULL;
+    pl_store *store = NULL;
     json_t *provenance = pl_call_provenance(call, &error);
-    pl_status status =
-        provenance == NULL ? PL_NO_MEMORY : open_journal(call, o, space, &journal, &error);
+    pl_status status = provenance == NULL ? PL_NO_MEMORY : open_store(o, space, &store, &error);
     const pl_tune_def def = {.plan = plan,
                              .space = space,
                              .targets = &o->targets,
@@ -107,7 +107,7 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
                              .jobs = o->request.jobs,
                              .limits = o->request.limits,
                              .provenance = provenance,
-                             .journal = journal,
+                             .store = store,
                              .progress = stderr};
     if (status == PL_OK) {
         status = pl_tune(&def, &tuning, &error);
@@ -120,7 +120,7 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
     const int signal_number = tuning.signal_number;
     pl_tuning_free(&tuning);
     json_decref(provenance);
-    code = pl_call_end_study(call, journal, status, &error, signal_number, code);
+    code = pl_call_end_store(call, store, o->request.out, status, &error, signal_number, code);
     return status == PL_UNSUPPORTED ? PL_EXIT_NOTHING : code;
 }
 
@@ -134,7 +134,7 @@ static pl_status check_fault(const pl_engine_choice *choice, pl_error *error)
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default(), .budget = DEFAULT_BUDGET};
-    o.request.out = ".";
+    o.request.out = "tune";
     pl_call_parse(call, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
@@ -188,9 +188,7 @@ static const pl_option OPTIONS[] = {
      "Settings tried by the search, each on all scenarios (default 200); the best settings "
      "are measured and validated afterwards",
      PL_OPTION_INTEGER, .field = offsetof(options, budget), .min = 1, .max = MOST_BUDGET},
-    {"out", NULL,
-     "Where ENGINE.profile.json goes, and the runs until the study ends, in "
-     "plumb-*.unfinished.jsonl (default .)",
+    {"out", NULL, "Where the results and ENGINE.profile.json go (default tune)",
      .kind = PL_OPTION_HELP},
     {0}};
 
@@ -218,6 +216,6 @@ const pl_command pl_command_tune = {
         "--fix dt=1/60",
     .options = OPTIONS,
     .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,
-               pl_jobs_options, pl_study_options},
+               pl_jobs_options, pl_out_options},
     .check = check,
     .run = run};

@@ -27,6 +27,11 @@ pl_status pl_gate_file_read(const char *path, pl_gate_file *file, pl_error *erro
         path = inside;
     }
     pl_status status = pl_results_read(path, &file->results, &whole, error);
+    if (status == PL_OK) {
+        json_t *all = file->results;
+        file->results = pl_results_of_study(all, NULL);
+        json_decref(all);
+    }
     if (status == PL_OK && stat(path, &found) == 0 && S_ISREG(found.st_mode) &&
         found.st_size > whole) {
         pl_print_line(stderr, "%s: the last line is not whole, and left out", path);

@@ -187,6 +187,9 @@ json_t *pl_run_identity(const pl_run_view *run)
     if (run->change != NULL) {
         incomplete |= json_object_set_new(identity, "change", json_string(run->change));
     }
+    if (run->study != NULL) {
+        incomplete |= json_object_set(identity, "study", run->study);
+    }
     if (run->label_is_given) {
         incomplete |=
             json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
@@ -358,6 +361,20 @@ json_t *pl_run_result_to_json(const pl_run_result *result)
         read_back_json(result->read_back), "off_count", result->metrics.deviations.off, "off",
         off_json(&result->metrics.deviations), "metrics", metrics_json(&result->metrics),
         "final_poses", poses_json(result->bodies, result->body_count));
+}
+
+json_t *pl_results_of_study(const json_t *results, const char *name)
+{
+    json_t *selected = json_array(), *result;
+    size_t index;
+    json_array_foreach((json_t *)results, index, result)
+    {
+        const json_t *study = json_object_get(result, "study");
+        if (name == NULL ? study == NULL : strcmp(pl_json_get_text(study, "name"), name) == 0) {
+            json_array_append(selected, result);
+        }
+    }
+    return selected;
 }
 
 bool pl_results_all_unsupported(const json_t *results)

@@ -52,6 +52,7 @@ typedef struct pl_run_view {
     bool is_member;             /* of an ensemble */
     int member;                 /* from 0 */
     const char *change;         /* of the scene; NULL: none */
+    json_t *study;              /* that the run belongs to; NULL: none */
     pl_conformance conformance; /* of the engine with the profile; no part of the identity */
 } pl_run_view;
 
@@ -117,6 +118,9 @@ int pl_result_threads(const json_t *result);
 
 /* A JSON number, or null for one that is not finite. */
 json_t *pl_json_number_or_null(double value);
+
+/* The results of an array that are runs of the study `name`; NULL: of no study. A new array. */
+json_t *pl_results_of_study(const json_t *results, const char *name);
 
 /* Whether there are results, an array, and all have the outcome "unsupported". */
 bool pl_results_all_unsupported(const json_t *results);

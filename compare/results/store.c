@@ -21,7 +21,7 @@ struct pl_store {
     const char *schema; /* of a line; borrowed */
     off_t size;         /* bytes of complete lines */
     json_t *results;
-    json_t *runs; /* a set: run hash -> true */
+    json_t *runs; /* run hash -> its first result */
 };
 
 static const char result_schema[] = "plumb.result/1";
@@ -237,10 +237,13 @@ pl_status pl_make_directories(const char *directory, pl_error *error)
     return status;
 }
 
-static pl_status note_run(pl_store *store, const json_t *result, pl_error *error)
+static pl_status note_run(pl_store *store, json_t *result, pl_error *error)
 {
     const char *run = json_string_value(json_object_get(result, "run"));
-    if (run == NULL || json_object_set_new(store->runs, run, json_true()) != 0) {
+    if (run != NULL && json_object_get(store->runs, run) != NULL) {
+        return PL_OK;
+    }
+    if (run == NULL || json_object_set(store->runs, run, result) != 0) {
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", store->path);
     }
     return PL_OK;
@@ -259,7 +262,7 @@ static pl_status keep_lines(pl_store *store, pl_error *error)
     store->results = kept;
     store->size = (off_t)whole;
     size_t index;
-    const json_t *result;
+    json_t *result;
     json_array_foreach(kept, index, result)
     {
         if (status == PL_OK) {
@@ -459,9 +462,9 @@ const json_t *pl_store_runs(const pl_store *store)
     return store->runs;
 }
 
-bool pl_store_has(const pl_store *store, const char *run)
+json_t *pl_store_find(const pl_store *store, const char *run)
 {
-    return json_object_get(store->runs, run) != NULL;
+    return json_object_get(store->runs, run);
 }
 
 pl_status pl_store_append(pl_store *store, json_t *result, pl_error *error)

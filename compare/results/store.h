@@ -68,11 +68,11 @@ void pl_store_close(pl_store *store);
 /* All results of the file, oldest first. Borrowed until the store is closed. */
 json_t *pl_store_results(pl_store *store);
 
-/* The set of the hashes of its runs. Borrowed until the store is closed. */
+/* Its results by the hashes of their runs, an object. Borrowed until the store is closed. */
 const json_t *pl_store_runs(const pl_store *store);
 
-/* Whether the file has a result of this run, by its `run` hash. */
-bool pl_store_has(const pl_store *store, const char *run);
+/* The first result of the file of this run, by its `run` hash; NULL: none. Borrowed until the store is closed. */
+json_t *pl_store_find(const pl_store *store, const char *run);
 
 /* Appends one result by one write and flushes it to the disk. When that fails the file is cut back
  * to the lines it had. Keeps its own reference. */

@@ -56,9 +56,22 @@ static int catch_signals(sigset_t *before)
     return signalfd(-1, &caught, SFD_CLOEXEC | SFD_NONBLOCK);
 }
 
-static bool is_done(const pl_execution_def *def, const json_t *identity)
+static bool is_skipped(const pl_execution_def *def, const char *run)
 {
-    return def->skip != NULL && def->skip(def->user, pl_json_get_text(identity, "run"));
+    return def->skip != NULL && def->skip(def->user, run);
+}
+
+/* The result of the run that the store has, with the positions that belong to it; NULL: the run is to be made. */
+static json_t *recall(const pl_execution_def *def, const char *run)
+{
+    json_t *result = def->store == NULL ? NULL : pl_store_find(def->store, run);
+    if (result == NULL || !def->needs_positions) {
+        return result;
+    }
+    char *path = pl_positions_path(def->positions, run);
+    const bool is_whole = path != NULL && access(path, R_OK) == 0;
+    free(path);
+    return is_whole ? result : NULL;
 }
 
 /* Marks the runs in due (size of the plan), unless that is NULL, and counts them. */
@@ -71,7 +84,8 @@ static pl_status mark_due(const pl_execution_def *def, bool *due, long *count, p
         if (identity == NULL) {
             return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
         }
-        const bool is_due = !is_done(def, identity);
+        const char *run = pl_json_get_text(identity, "run");
+        const bool is_due = !is_skipped(def, run) && recall(def, run) == NULL;
         *count += is_due;
         if (due != NULL) {
             due[i] = is_due;
@@ -127,10 +141,26 @@ static pl_status place_scene(const execution *e, slot *s, const pl_case *test_ca
     return pl_plan_build_scene(e->def->plan, test_case, &s->built, error);
 }
 
-/* Hands a finished run on. */
+static pl_status take(const execution *e, json_t *result, pl_error *error)
+{
+    return e->def->take == NULL ? PL_OK : e->def->take(e->def->user, result, error);
+}
+
+/* Stores the result of a run that ended, and hands it on. A run that was made again for its positions alone has a
+ * result there. */
 static pl_status hand_on(execution *e, json_t *result, double seconds, pl_error *error)
 {
-    pl_status status = e->def->keep(e->def->user, result, error);
+    pl_store *store = e->def->store;
+    pl_status status = PL_OK;
+    if (e->def->amend != NULL) {
+        e->def->amend(e->def->user, result);
+    }
+    if (store != NULL && pl_store_find(store, pl_json_get_text(result, "run")) == NULL) {
+        status = pl_store_append(store, result, error);
+    }
+    if (status == PL_OK) {
+        status = take(e, result, error);
+    }
     if (status == PL_OK && e->bar != NULL) {
         pl_progress_run_ended(e->bar, pl_json_get_text(result, "scenario"), result, seconds);
     }
@@ -171,75 +201,76 @@ static bool has_descriptors(const execution *e)
     return lowest >= 0 && (rlim_t)lowest + NEEDED <= limit.rlim_cur;
 }
 
-/* The result of the run that the journal has, with the positions that belong to it: a new reference;
- * NULL: the run is to be made. */
-static json_t *recall(const execution *e, const slot *s, const json_t *identity)
+/* Makes the run in the slot, or hands on what its engine's fault says. */
+static pl_status start(execution *e, slot *s, const pl_planned_run *planned, json_t *identity,
+                       int threads, pl_error *error)
 {
-    json_t *result = pl_journal_take(e->def->journal, pl_json_get_text(identity, "run"));
-    if (result != NULL && s->positions != NULL && access(s->positions, R_OK) != 0) {
-        json_decref(result);
-        return NULL;
+    const pl_engine_choice *choice = &planned->configuration->choice;
+    const pl_scene *scene = NULL;
+    pl_status status = place_files(e, s, identity, error);
+    if (status == PL_OK) {
+        status = place_scene(e, s, planned->test_case, &scene, error);
     }
-    return result;
+    if (status != PL_OK) {
+        return status;
+    }
+    if (choice->engine->fault.is_fault) {
+        return report_fault(e, &choice->engine->fault, scene, identity, error);
+    }
+    s->cpus = pl_schedule_begin(&e->schedule, threads);
+    s->scene = scene;
+    const pl_run_def run = {.scene = scene,
+                            .choice = choice,
+                            .trajectory = e->def->trajectory,
+                            .positions = s->positions,
+                            .recording = s->recording,
+                            .positions_stride = e->def->positions_stride,
+                            .capture = e->def->capture,
+                            .referee_threads = s->cpus};
+    status = pl_isolated_run_start(&s->run, &run, identity, &e->def->limits, error);
+    s->busy = status == PL_OK;
+    return status;
+}
+
+/* Takes the next run of the plan: it is skipped, or its result is there, or it starts in the free slot. Runs start
+ * in the order of the plan: *waits is set where there is no room for this one yet. */
+static pl_status take_next(execution *e, slot *free_slot, bool *waits, pl_error *error)
+{
+    const pl_planned_run planned = pl_plan_run(e->def->plan, e->next);
+    json_t *identity = pl_planned_run_identity(e->def->plan, &planned);
+    if (identity == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
+    }
+    const char *run = pl_json_get_text(identity, "run");
+    const pl_engine_choice *choice = &planned.configuration->choice;
+    const int threads = pl_engine_threads(choice->engine, choice->values);
+    const bool skipped = is_skipped(e->def, run);
+    json_t *recalled = skipped ? NULL : recall(e->def, run);
+    pl_status status = PL_OK;
+    if (skipped || recalled != NULL) {
+        /* A result that came meanwhile made it unnecessary. */
+        if (e->due[e->next] && e->bar != NULL) {
+            e->bar->total -= 1;
+        }
+        e->next += 1;
+        status = recalled != NULL ? take(e, recalled, error) : PL_OK;
+    } else if (pl_schedule_has_room(&e->schedule, threads) && has_descriptors(e)) {
+        e->next += 1;
+        status = start(e, free_slot, &planned, identity, threads, error);
+    } else {
+        *waits = true;
+    }
+    json_decref(identity);
+    return status;
 }
 
 /* Starts the next run that is due in a free slot. */
 static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
 {
-    const pl_plan *plan = e->def->plan;
     pl_status status = PL_OK;
-    while (status == PL_OK && !free_slot->busy && e->next < pl_plan_size(plan)) {
-        pl_planned_run planned = pl_plan_run(plan, e->next);
-        json_t *identity = pl_planned_run_identity(plan, &planned);
-        if (identity == NULL) {
-            return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
-        }
-        const bool done = is_done(e->def, identity);
-        const pl_engine_choice *choice = &planned.configuration->choice;
-        const int threads = pl_engine_threads(choice->engine, choice->values);
-        /* Runs begin in the order of the plan: this one waits, and those after it. */
-        if (!done && !(pl_schedule_has_room(&e->schedule, threads) && has_descriptors(e))) {
-            json_decref(identity);
-            return PL_OK;
-        }
-        /* A result that came meanwhile made it unnecessary. */
-        if (done && e->due[e->next] && e->bar != NULL) {
-            e->bar->total -= 1;
-        }
-        e->next += 1;
-        if (!done) {
-            const pl_scene *scene = NULL;
-            json_t *recalled = NULL;
-            status = place_files(e, free_slot, identity, error);
-            if (status == PL_OK) {
-                recalled = recall(e, free_slot, identity);
-            }
-            if (status == PL_OK && recalled == NULL) {
-                status = place_scene(e, free_slot, planned.test_case, &scene, error);
-            }
-            pl_run_def run = {.scene = scene,
-                              .choice = choice,
-                              .trajectory = e->def->trajectory,
-                              .positions = free_slot->positions,
-                              .recording = free_slot->recording,
-                              .positions_stride = e->def->positions_stride,
-                              .capture = e->def->capture};
-            if (recalled != NULL) {
-                status = hand_on(e, recalled, 0, error);
-            } else if (status == PL_OK && choice->engine->fault.is_fault) {
-                status = report_fault(e, &choice->engine->fault, scene, identity, error);
-            } else if (status == PL_OK) {
-                free_slot->cpus = pl_schedule_begin(&e->schedule, threads);
-                run.referee_threads = free_slot->cpus;
-                status =
-                    pl_isolated_run_start(&free_slot->run, &run, identity, &e->def->limits, error);
-            }
-            free_slot->scene = scene;
-            free_slot->busy =
-                status == PL_OK && recalled == NULL && !choice->engine->fault.is_fault;
-            json_decref(recalled);
-        }
-        json_decref(identity);
+    bool waits = false;
+    while (status == PL_OK && !waits && !free_slot->busy && e->next < pl_plan_size(e->def->plan)) {
+        status = take_next(e, free_slot, &waits, error);
     }
     return status;
 }
@@ -254,10 +285,7 @@ static pl_status finish(execution *e, slot *ended, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    status = pl_journal_add(e->def->journal, pl_json_get_text(result, "run"), result, error);
-    if (status == PL_OK) {
-        status = hand_on(e, result, seconds, error);
-    }
+    status = hand_on(e, result, seconds, error);
     if (status == PL_OK && ended->recording != NULL) {
         status = pl_recording_finish(e->def->recordings, pl_json_get_text(result, "run"),
                                      ended->scene, error);
@@ -408,7 +436,7 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
     return status;
 }
 
-static pl_status keep_result(void *user, json_t *result, pl_error *error)
+static pl_status take_result(void *user, json_t *result, pl_error *error)
 {
     (void)error;
     *(json_t **)user = json_incref(result);
@@ -432,10 +460,10 @@ pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
                                   .limits = def->limits,
                                   .trajectory = def->trajectory,
                                   .provenance = def->provenance,
-                                  .journal = def->journal,
+                                  .store = def->store,
                                   .bar = def->bar,
                                   .user = result,
-                                  .keep = keep_result};
+                                  .take = take_result};
     *result = NULL;
     return pl_execute(&one, signal_number, error);
 }

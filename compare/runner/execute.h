@@ -6,7 +6,7 @@
 #include "engines/process.h"
 #include "plan.h"
 #include "progress.h"
-#include "results/journal.h"
+#include "results/store.h"
 #include "run_once.h"
 
 /* What to execute, and how. */
@@ -16,27 +16,32 @@ typedef struct pl_execution_def {
     pl_limits limits;
     FILE *trajectory;          /* of a plan with one run: gets its frames; NULL: none */
     const pl_capture *capture; /* of such a plan too; NULL: none */
-    const char *positions;     /* folder that gets RUN.positions of every run; NULL: none */
-    const char *recordings;    /* folder that gets RUN.json, a recording of every run; NULL: none */
-    long positions_stride;     /* steps from one of their samples to the next; 0: the default */
-    json_t *provenance;        /* pl_provenance */
-    pl_journal *journal;       /* gives results that it has, and keeps new ones; NULL: none */
-    FILE *progress;            /* where progress is shown; NULL: nowhere */
+    bool needs_positions;   /* a result of the store counts only with the file of its positions */
+    const char *positions;  /* folder that gets RUN.positions of every run; NULL: none */
+    const char *recordings; /* folder that gets RUN.json, a recording of every run; NULL: none */
+    long positions_stride;  /* steps from one of their samples to the next; 0: the default */
+    json_t *provenance;     /* pl_provenance */
+    pl_store
+        *store; /* has the results of runs that were made before, and keeps new ones; NULL: none */
+    FILE *progress; /* where progress is shown; NULL: nowhere */
     /* A bar that several executions share, begun and ended by the caller with the runs of all in
      * its total; `progress` is then not used. NULL: one of its own. */
     pl_progress *bar;
     void *user;
-    /* Whether the result of this run exists already; NULL: none does. */
+    /* Whether this run is not to be made; NULL: all are. */
     bool (*skip)(void *user, const char *run);
-    /* Takes each result when its run ends. A status other than PL_OK ends the execution. */
-    pl_status (*keep)(void *user, json_t *result, pl_error *error);
+    /* Adds to the result of a run that ended, before the store has it. NULL: nothing. */
+    void (*amend)(void *user, json_t *result);
+    /* Takes each result, of the store or when its run ends, and after the store has it. A status other than PL_OK
+     * ends the execution. NULL: nothing does. */
+    pl_status (*take)(void *user, json_t *result, pl_error *error);
 } pl_execution_def;
 
 /* The path in that folder of the positions of the run with this hash: malloc'd; NULL when out of
  * memory. */
 char *pl_positions_path(const char *folder, const char *run);
 
-/* Counts the runs that are to be made. PL_NO_MEMORY. */
+/* Counts the runs that are to be made: those that are not skipped, and that the store does not have. PL_NO_MEMORY. */
 pl_status pl_execution_due(const pl_execution_def *def, long *due, pl_error *error);
 
 /* Returns when all runs are done, or at SIGINT, SIGTERM or SIGHUP (unless they are ignored) with
@@ -45,7 +50,7 @@ pl_status pl_execution_due(const pl_execution_def *def, long *due, pl_error *err
 pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *error);
 
 /* Makes the first run of a case on a configuration, with the seed of def->plan and the limits,
- * trajectory, provenance, journal and bar of `def`; its other fields are not used. *result is a new
+ * trajectory, provenance, store and bar of `def`; its other fields are not used. *result is a new
  * reference; NULL at a signal. */
 pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
                          const pl_configuration *configuration, json_t **result, int *signal_number,

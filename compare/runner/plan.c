@@ -16,7 +16,9 @@ static pl_status note_case(pl_plan *plan, const pl_case *test_case, const char *
     FILE *stream = open_memstream(&key, &length);
     bool failed = stream == NULL;
     if (!failed) {
-        fprintf(stream, "%s\n%s", test_case->scene_hash, name);
+        char *study = test_case->study == NULL ? NULL : pl_result_to_line(test_case->study);
+        fprintf(stream, "%s\n%s\n%s", test_case->scene_hash, name, study == NULL ? "" : study);
+        free(study);
         for (int i = 0; i < test_case->descriptor->param_count; ++i) {
             fprintf(stream, "\n%a", test_case->params[i]);
         }
@@ -62,12 +64,14 @@ static pl_status add_case(pl_plan *plan, pl_case *test_case, const char *name, p
 {
     bool known = false;
     test_case->variation = plan->variation;
+    test_case->study = json_incref(plan->study);
     vary_scene(plan, test_case, &test_case->scene);
     pl_status status = pl_scene_hash(&test_case->scene, test_case->scene_hash, error);
     if (status == PL_OK) {
         status = note_case(plan, test_case, name, &known, error);
     }
     if (status != PL_OK || known) {
+        json_decref(test_case->study);
         pl_scene_free(&test_case->scene);
         return status;
     }
@@ -80,6 +84,7 @@ static pl_status add_case(pl_plan *plan, pl_case *test_case, const char *name, p
                                                      sizeof *test_case, error);
     if (status != PL_OK) {
         free(test_case->name);
+        json_decref(test_case->study);
         pl_scene_free(&test_case->scene);
     }
     return status;
@@ -308,6 +313,7 @@ json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run)
                         .member = test_case->variation.member,
                         .change = test_case->variation.change,
                         .conformance = run->configuration->conformance,
+                        .study = test_case->study,
                         .repeat = run->repeat};
     return pl_run_identity(&view);
 }
@@ -325,6 +331,7 @@ void pl_plan_free(pl_plan *plan)
 {
     for (int i = 0; i < plan->case_count; ++i) {
         free(plan->cases[i].name);
+        json_decref(plan->cases[i].study);
         pl_scene_free(&plan->cases[i].scene);
     }
     for (int i = 0; i < plan->file_count; ++i) {

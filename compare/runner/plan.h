@@ -27,6 +27,7 @@ typedef struct pl_case {
     pl_scene scene;               /* of a deferred one only dt, duration and primary_error */
     char scene_hash[17];
     pl_variation variation;
+    json_t *study; /* that its runs belong to, as in results; NULL: none. Owned */
     bool deferred; /* pl_plan_build_scene makes its scene */
 } pl_case;
 
@@ -57,6 +58,7 @@ typedef struct pl_plan {
     int repeated_count; /* of them, the first so many are repeated; 0: all */
     int repeats;
     uint64_t seed;
+    json_t *study; /* that the cases added next belong to, as in results; NULL: none. Borrowed */
     pl_variation variation; /* of the cases that are added next */
     bool defers;            /* catalogue scenes added next are built again for each run, not kept */
     json_t *known;          /* a set: what tells the cases apart; the plan's own */

@@ -2,6 +2,7 @@
 #include "check.h"
 #include "engines/registry.h"
 #include "plumb_process.h"
+#include "results/result.h"
 #include "results/store.h"
 #include "run_result.h"
 
@@ -47,7 +48,9 @@ static json_t *read_results(const workspace *f)
 {
     json_t *results = NULL;
     assert_int_equal(pl_results_read(f->results, &results, NULL, NULL), PL_OK);
-    return results;
+    json_t *own = pl_results_of_study(results, NULL);
+    json_decref(results);
+    return own;
 }
 
 static const json_t *metric_of(const json_t *results, const char *label)

@@ -61,7 +61,7 @@ expect 2 'has 1 results that the report would not have.*--force' report e --out 
 expect 0 'the report are in c/' report e --out c --force
 refused d/index.html report a --out d
 refused d/runs.csv report a --out d --format csv
-"$PLUMB" threshold slope-threshold --engine plumb --json study.json >out 2>&1
+"$PLUMB" threshold slope-threshold --engine plumb --json study.json --out once >out 2>&1
 refused d/threshold.html report study.json --out d
 
 mkdir new

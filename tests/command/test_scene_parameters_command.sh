@@ -79,14 +79,14 @@ expect 2 'expected mu from 0.1 to 1' threshold ramp.json --vary mu=0..1 --engine
 expect 2 'no chosen scenario has the parameter mi; did you mean mu' threshold ramp.json --vary mi --engine plumb
 expect 2 'mu is what is searched for' threshold ramp.json --vary mu --set mu=0.3 --engine plumb
 expect 2 'expected a rest' threshold <(sed 's/"expect": .*/"expect": {} }/; /"acceptance"/d' ramp.json) --vary mu --engine plumb
-expect 0 'holds above it' threshold ramp.json --vary mu --engine plumb --json found.jsonl
-expect 0 'holds below it' threshold ramp.json --vary slope=0..1 --tolerance 1e-3 --engine plumb --json slope.jsonl
+expect 0 'holds above it' threshold ramp.json --vary mu --engine plumb --json found.json --out found
+expect 0 'holds below it' threshold ramp.json --vary slope=0..1 --tolerance 1e-3 --engine plumb --json slope.json --out slope
 expect 2 'n from 1 to .*whole number' threshold tower --vary n=1..20 --engine plumb
 python3 - <<'END' || note_failure "the threshold of a scene file is not tan(tilt)"
 import json
-for path, param, truth, above, tolerance in (("found.jsonl", "mu", 0.25, True, 1e-5 * 0.9),
-                                             ("slope.jsonl", "slope", 0.5, False, 1e-3)):
-    row = json.loads(open(path).read())
+for path, param, truth, above, tolerance in (("found.json", "mu", 0.25, True, 1e-5 * 0.9),
+                                             ("slope.json", "slope", 0.5, False, 1e-3)):
+    row, = json.load(open(path))
     # A block that has moved by less than 1 cm in 1 s still counts as held: a < 0.02 m/s^2, 0.0021 g.
     assert row["param"] == param and abs(row["value"] - truth) < 0.004, row
     assert row["holds_below"] == (not above) and row["bracket"][1] - row["bracket"][0] <= tolerance, row

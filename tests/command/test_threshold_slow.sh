@@ -14,7 +14,7 @@ expect() {
             note_failure "threshold $* --dt $dt: $(tail -1 out)"
         python3 - "$tolerance" <<'END' || note_failure "threshold $* --dt $dt: $(cat row.json)"
 import json, sys
-row = json.load(open("row.json"))
+row, = json.load(open("row.json"))
 sys.exit(not (row["finding"] == "found" and abs(row["relative_error"]) <= float(sys.argv[1])))
 END
     done

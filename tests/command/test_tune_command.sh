@@ -4,6 +4,7 @@ set -eu
 command=tune
 # shellcheck source=tests/support/command.sh
 source "$SOURCE/tests/support/command.sh"
+further=(--force)
 
 target='reference_error<=1e-3'
 if "$PLUMB" tune blocks --engine plumb --target "$target" --budget 1 --duration 0.1 2>&1 |

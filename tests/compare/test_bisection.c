@@ -1,6 +1,6 @@
 /* The bisection of a critical value, on predicates whose answer is known. */
 #include "check.h"
-#include "studies/threshold/threshold.h"
+#include "studies/bisection.h"
 
 #include <math.h>
 

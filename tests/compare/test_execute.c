@@ -45,7 +45,7 @@ static pl_progress execute(seen *s, FILE *out)
                                   .bar = &bar,
                                   .user = s,
                                   .skip = is_needless,
-                                  .keep = keep};
+                                  .take = keep};
     int signal_number = 0;
     long due = 0;
     assert_int_equal(pl_execution_due(&def, &due, NULL), PL_OK);
@@ -106,7 +106,7 @@ static void test_results_say_the_threads_asked_for(void **state)
                                   .limits = {.timeout = 60},
                                   .provenance = provenance,
                                   .user = &s,
-                                  .keep = keep_threads};
+                                  .take = keep_threads};
     int signal_number = 0, sum = 0;
     assert_int_equal(pl_execute(&def, &signal_number, NULL), PL_OK);
     assert_int_equal(s.count, 4);

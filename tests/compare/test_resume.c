@@ -2,6 +2,7 @@
  * and nothing else. Ctrl-C leaves whole lines and no process behind. */
 #include "check.h"
 #include "plumb_process.h"
+#include "results/result.h"
 #include "results/store.h"
 
 #include <errno.h>
@@ -53,7 +54,9 @@ static json_t *read_results(const workspace *f)
         print_error("%s\n", error.message);
     }
     assert_int_equal(status, PL_OK);
-    return results;
+    json_t *own = pl_results_of_study(results, NULL);
+    json_decref(results);
+    return own;
 }
 
 /* Waits until every process that was left to this one has ended: forever, when one lives on. */

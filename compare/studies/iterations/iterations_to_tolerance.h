@@ -60,8 +60,8 @@ typedef struct pl_tolerance_def {
     const pl_plan *plan;
     pl_limits limits; /* of each run */
     json_t *provenance;
-    pl_journal *journal; /* of the runs; NULL: none */
-    pl_progress *bar;    /* counts these runs, which its total includes; NULL: none */
+    pl_store *store;  /* of the runs; NULL: none */
+    pl_progress *bar; /* counts these runs, which its total includes; NULL: none */
     void *user;
     /* Whether this run has a result already, as in pl_execution_def. A scenario and engine whose
      * runs all have one need no search. NULL: no run has one. */
@@ -79,7 +79,6 @@ pl_status pl_tolerance_search(const pl_tolerance_def *def, pl_metric **metrics, 
                               pl_error *error);
 
 /* Adds the metric of the result's scenario and engine to its metrics, unless it is absent. */
-pl_status pl_tolerance_put(const pl_plan *plan, const pl_metric *metrics, json_t *result,
-                           pl_error *error);
+void pl_tolerance_put(const pl_plan *plan, const pl_metric *metrics, json_t *result);
 
 #endif

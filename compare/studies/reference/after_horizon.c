@@ -44,6 +44,7 @@ static pl_status run_crowd(const pl_reference_def *def, crowd *c, int *signal_nu
     const pl_members_def members = {.members = PL_REFERENCE_MEMBERS, .user = c, .add = add_case};
     c->results = json_array();
     c->plan.seed = def->execution.plan->seed;
+    c->plan.study = def->study;
     pl_status status = c->results == NULL
                            ? pl_fail(error, PL_NO_MEMORY, "out of memory for results")
                            : pl_members_plan(&members, &c->plan, &c->ensembles, error);
@@ -54,11 +55,12 @@ static pl_status run_crowd(const pl_reference_def *def, crowd *c, int *signal_nu
                                         .jobs = def->execution.jobs,
                                         .limits = def->execution.limits,
                                         .positions = def->execution.positions,
+                                        .needs_positions = true,
                                         .provenance = def->execution.provenance,
-                                        .journal = def->execution.journal,
+                                        .store = def->execution.store,
                                         .bar = def->execution.bar,
                                         .user = c->results,
-                                        .keep = keep_result};
+                                        .take = keep_result};
     if (execution.bar != NULL) {
         execution.bar->total += pl_plan_size(&c->plan);
     }

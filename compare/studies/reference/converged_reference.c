@@ -117,6 +117,7 @@ static bool takes_part(const pl_reference *reference, int engine, int level)
 static pl_status add_level(making *m, int level, pl_error *error)
 {
     m->plan.variation = (pl_variation){.refinement = 1 << level};
+    m->plan.study = m->def->study;
     pl_status status = pl_plan_add_values(&m->plan, m->def->original->descriptor,
                                           m->def->original->params, NULL, error);
     m->plan.pairing_count = 0;
@@ -140,12 +141,13 @@ static pl_status run_level(making *m, int level, int *signal_number, pl_error *e
                                         .jobs = given->jobs,
                                         .limits = given->limits,
                                         .positions = given->positions,
+                                        .needs_positions = true,
                                         .positions_stride = m->reference->stride << level,
                                         .provenance = given->provenance,
-                                        .journal = given->journal,
+                                        .store = given->store,
                                         .bar = given->bar,
                                         .user = m,
-                                        .keep = keep_result};
+                                        .take = keep_result};
     if (given->bar != NULL) {
         given->bar->total += m->plan.pairing_count;
     }

@@ -72,14 +72,6 @@ static bool is_hopeless(void *user, const char *run)
     return false;
 }
 
-static pl_status drop_result(void *user, json_t *result, pl_error *error)
-{
-    (void)user;
-    (void)result;
-    (void)error;
-    return PL_OK;
-}
-
 /* Makes the runs of a case again, with their positions. */
 static pl_status run_with_positions(const pl_reference_study_def *def, pl_case *test_case,
                                     pl_progress *bar, int *signal_number, pl_error *error)
@@ -96,12 +88,12 @@ static pl_status run_with_positions(const pl_reference_study_def *def, pl_case *
                                         .jobs = def->execution.jobs,
                                         .limits = def->execution.limits,
                                         .positions = def->execution.positions,
+                                        .needs_positions = true,
                                         .provenance = def->execution.provenance,
-                                        .journal = def->execution.journal,
+                                        .store = def->execution.store,
                                         .bar = bar,
                                         .user = &user,
-                                        .skip = is_hopeless,
-                                        .keep = drop_result};
+                                        .skip = is_hopeless};
     long due = 0;
     pl_status status = pl_execution_due(&execution, &due, error);
     if (status != PL_OK || due == 0) {
@@ -153,8 +145,10 @@ static pl_status judge_case(const pl_reference_study_def *def, pl_case *test_cas
                             json_t **item, int *signal_number, pl_error *error)
 {
     pl_reference reference = {.known = false};
-    pl_reference_def making = {
-        .original = test_case, .execution = def->execution, .results = def->results};
+    pl_reference_def making = {.original = test_case,
+                               .execution = def->execution,
+                               .study = json_pack("{s:s}", "name", "reference"),
+                               .results = def->results};
     json_t *sentences = json_array();
     making.execution.bar = bar;
     *item = NULL;
@@ -173,6 +167,7 @@ static pl_status judge_case(const pl_reference_study_def *def, pl_case *test_cas
         }
     }
     pl_reference_free(&reference);
+    json_decref(making.study);
     json_decref(sentences);
     return status;
 }

@@ -7,7 +7,7 @@
 
 /* What to judge. The pointers are borrowed. */
 typedef struct pl_reference_study_def {
-    /* The plan, jobs, limits, provenance, journal and progress are used. `positions` is an existing folder for
+    /* The plan, jobs, limits, provenance, store and progress are used. `positions` is an existing folder for
      * the paths. The plan's first repeats are run again for theirs, so that the file of a path is open
      * in no run whose result counts. */
     pl_execution_def execution;

@@ -1,205 +1,151 @@
-/* Bisection of critical values by rounds of isolated runs; text and JSON output. */
+/* Bisection of critical values by rounds of isolated runs. */
 #include "threshold.h"
 
 #include "base/folding.h"
-#include "base/table.h"
-#include "runner/progress.h"
+#include "base/heap.h"
+#include "studies/bisection.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-pl_bisection pl_bisection_begin(const pl_threshold *threshold)
+json_t *pl_threshold_study_of(const pl_scenario *scenario, const pl_threshold *threshold,
+                              const double *params)
 {
-    return (pl_bisection){.low = threshold->low,
-                          .high = threshold->high,
-                          .tolerance = threshold->tolerance,
-                          .holds_below = threshold->holds_below,
-                          .either_side = threshold->either_side};
+    const double critical = threshold->critical == NULL ? (double)NAN : threshold->critical(params);
+    return json_pack("{s:s, s:s, s:s, s:f, s:f, s:f, s:b, s:b, s:o, s:s?}", "name", "threshold",
+                     "param", threshold->param, "unit",
+                     scenario->params[pl_scenario_param(scenario, threshold->param)].unit, "low",
+                     threshold->low, "high", threshold->high, "tolerance", threshold->tolerance,
+                     "holds_below", (int)threshold->holds_below, "either_side",
+                     (int)threshold->either_side, "closed_form", pl_json_number_or_null(critical),
+                     "formula", threshold->critical == NULL ? NULL : threshold->formula);
 }
 
-static double midpoint_of(const pl_bisection *b)
+static double number_of(const json_t *object, const char *key)
 {
-    return b->low + (b->high - b->low) / 2;
+    const json_t *value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : (double)NAN;
 }
 
-double pl_bisection_next(const pl_bisection *b)
+static pl_bisection begin(const json_t *study)
 {
-    return b->trials == 0 ? b->low : b->trials == 1 ? b->high : midpoint_of(b);
+    const pl_threshold threshold = {
+        .low = number_of(study, "low"),
+        .high = number_of(study, "high"),
+        .tolerance = number_of(study, "tolerance"),
+        .holds_below = json_is_true(json_object_get(study, "holds_below")),
+        .either_side = json_is_true(json_object_get(study, "either_side"))};
+    return pl_bisection_begin(&threshold);
 }
 
-/* A bracket of two neighbouring numbers has no midpoint. */
-static bool is_narrow(const pl_bisection *b)
-{
-    double midpoint = midpoint_of(b);
-    return b->high - b->low <= b->tolerance || midpoint <= b->low || midpoint >= b->high;
-}
+/* ---- Running ---- */
 
-static void judge_ends(pl_bisection *b, bool high_holds)
+/* The search of one case on one configuration. */
+typedef struct search {
+    int test_case, configuration; /* indices in the plan */
+    int param;                    /* index of the searched parameter in the scenario's */
+    pl_bisection bisection;
+    int most; /* trials that it can take */
+    bool is_over;
+    char run[17]; /* hash of the trial in progress; empty: none */
+} search;
+
+typedef struct searches {
+    const pl_plan *plan;
+    search *items; /* (count), by case and then by configuration */
+    int count, over;
+    FILE *out; /* NULL: no progress is shown */
+    pl_progress bar;
+} searches;
+
+/* Counts a search that is over. Where the bar cannot be drawn again, a line a trial would be hundreds of lines. */
+static void show_end(searches *all, const search *s, const char *outcome)
 {
-    if (b->low_holds == high_holds) {
-        b->state = high_holds ? PL_BISECTION_ALWAYS_HOLDS : PL_BISECTION_NEVER_HOLDS;
-    } else if (b->either_side) {
-        b->holds_below = b->low_holds;
-    } else if (b->low_holds != b->holds_below) {
-        b->state = PL_BISECTION_REVERSED;
+    const int trials = s->bisection.trials;
+    ++all->over;
+    all->bar.total -= s->most - trials;
+    if (all->out != NULL && !all->bar.terminal) {
+        pl_print_line(all->out, "[%d/%d] %s  %s  %s", all->over, all->count,
+                      all->plan->cases[s->test_case].name,
+                      all->plan->configurations[s->configuration].label,
+                      s->bisection.state == PL_BISECTION_SEARCHING ? outcome : "searched");
     }
 }
 
-void pl_bisection_take(pl_bisection *b, bool holds)
-{
-    if (b->trials == 0) {
-        b->low_holds = holds;
-    } else if (b->trials == 1) {
-        judge_ends(b, holds);
-    } else {
-        *(holds == b->holds_below ? &b->low : &b->high) = midpoint_of(b);
-    }
-    ++b->trials;
-    if (b->trials >= 2 && b->state == PL_BISECTION_SEARCHING && is_narrow(b)) {
-        b->state = PL_BISECTION_FOUND;
-    }
-}
-
-int pl_bisection_most_trials(const pl_bisection *bisection)
-{
-    int trials = 2;
-    for (double width = bisection->high - bisection->low;
-         width > bisection->tolerance && trials < 1100; width /= 2) {
-        ++trials;
-    }
-    return trials;
-}
-
-typedef struct study {
-    const pl_threshold_search_def *def;
-    pl_threshold_search *items;
-    int count;
-    pl_progress progress;
-} study;
-
-/* "found", "never holds", "always holds", "reversed", the outcome that ended it, or "searching". */
-static const char *outcome_of(const pl_threshold_search *search)
-{
-    static const char *const names[] = {[PL_BISECTION_SEARCHING] = "searching",
-                                        [PL_BISECTION_FOUND] = "found",
-                                        [PL_BISECTION_NEVER_HOLDS] = "never holds",
-                                        [PL_BISECTION_ALWAYS_HOLDS] = "always holds",
-                                        [PL_BISECTION_REVERSED] = "reversed"};
-    return search->outcome[0] != '\0' ? search->outcome : names[search->bisection.state];
-}
-
-/* The closed form for the case's parameters; NAN: there is none. */
-static double critical_value(const pl_plan *plan, const pl_threshold_search *search)
-{
-    const pl_case *test_case = &plan->cases[search->test_case];
-    const pl_threshold *threshold = test_case->descriptor->threshold;
-    return threshold->critical == NULL ? (double)NAN : threshold->critical(test_case->params);
-}
-
-static bool is_over(const pl_threshold_search *search)
-{
-    return search->outcome[0] != '\0' || search->bisection.state != PL_BISECTION_SEARCHING;
-}
-
-static pl_threshold_search *find_trial(const study *s, const char *run)
-{
-    for (int i = 0; i < s->count; ++i) {
-        if (s->items[i].run[0] != '\0' && strcmp(s->items[i].run, run) == 0) {
-            return &s->items[i];
-        }
-    }
-    return NULL;
-}
-
-/* Skips the runs of a round that no search needs: its plan has every value on every engine. */
-static bool skip(void *user, const char *run)
-{
-    return find_trial(user, run) == NULL;
-}
-
-static pl_status keep(void *user, json_t *result, pl_error *error)
+/* A trial's outcome may belong to several searches: two labels of one engine. */
+static pl_status take(void *user, json_t *result, pl_error *error)
 {
     (void)error;
-    study *s = user;
-    pl_threshold_search *search = find_trial(s, pl_json_get_text(result, "run"));
+    searches *all = user;
+    const char *run = pl_json_get_text(result, "run");
     const char *outcome = pl_json_get_text(result, "outcome");
-    bool holds = strcmp(outcome, "ok") == 0;
-    ++search->runs;
-    search->run[0] = '\0';
-    if (holds || strcmp(outcome, "collapsed") == 0) {
-        pl_bisection_take(&search->bisection, holds);
-    } else {
-        snprintf(search->outcome, sizeof search->outcome, "%s", outcome);
-        snprintf(search->reason, sizeof search->reason, "%s", pl_json_get_text(result, "reason"));
-    }
-    if (s->def->progress != NULL) {
-        const char *name = s->def->plan->cases[search->test_case].name;
-        const char *label = s->def->plan->configurations[search->configuration].label;
-        char running[256];
-        snprintf(running, sizeof running, "%s %.200s", name, label);
-        ++s->progress.done;
-        if (is_over(search)) {
-            s->progress.total -= pl_bisection_most_trials(&search->bisection) - search->runs;
-            if (!s->progress.terminal) {
-                pl_print_line(s->progress.out, "%s  %s  %s after %d %s", name, label,
-                              outcome_of(search), search->runs, search->runs == 1 ? "run" : "runs");
-                fflush(s->progress.out);
-            }
+    const bool holds = strcmp(outcome, "ok") == 0;
+    for (int i = 0; i < all->count; ++i) {
+        search *s = &all->items[i];
+        if (strcmp(s->run, run) != 0) {
+            continue;
         }
-        pl_progress_draw(&s->progress, running, 0, pl_monotonic_seconds());
+        s->run[0] = '\0';
+        if (holds || strcmp(outcome, "collapsed") == 0) {
+            pl_bisection_take(&s->bisection, holds);
+        }
+        s->is_over = s->bisection.state != PL_BISECTION_SEARCHING ||
+                     (!holds && strcmp(outcome, "collapsed") != 0);
+        if (s->is_over) {
+            show_end(all, s, outcome);
+        }
     }
     return PL_OK;
 }
 
-/* Adds the case of a search at its next value to the round, and names the run of its trial. */
-static pl_status add_trial(pl_plan *round, const pl_case *test_case, pl_threshold_search *search,
-                           pl_error *error)
+/* Adds the next trial of a search to the round. */
+static pl_status add_trial(pl_plan *round, const pl_case *test_case, search *s, pl_error *error)
 {
     const pl_scenario *scenario = test_case->descriptor;
     double values[PL_MAX_PARAMS];
     int index = -1;
     memcpy(values, test_case->params, sizeof values);
-    values[search->param] = pl_bisection_next(&search->bisection);
+    values[s->param] = pl_bisection_next(&s->bisection);
+    round->study = test_case->study;
     pl_status status = pl_plan_add_values(round, scenario, values, &index, error);
     if (status != PL_OK) {
         return status;
     }
     if (index < 0) {
         return pl_fail(error, PL_FAILED, "%s: %s=%.17g gives the scene of another value",
-                       scenario->name, scenario->params[search->param].name, values[search->param]);
+                       scenario->name, scenario->params[s->param].name, values[s->param]);
     }
     const pl_planned_run planned = {.test_case = &round->cases[index],
-                                    .configuration = &round->configurations[search->configuration]};
-    return pl_planned_run_hash(round, &planned, search->run, error);
+                                    .configuration = &round->configurations[s->configuration]};
+    status = pl_plan_add_pairing(round, index, s->configuration, error);
+    return status == PL_OK ? pl_planned_run_hash(round, &planned, s->run, error) : status;
 }
 
 /* One trial of every search that is not over; *any is false when there was none. */
-static pl_status run_round(study *s, bool *any, int *signal_number, pl_error *error)
+static pl_status run_round(searches *all, const pl_execution_def *how, bool *any,
+                           int *signal_number, pl_error *error)
 {
-    const pl_plan *plan = s->def->plan;
-    pl_plan round = {.configurations = plan->configurations,
-                     .configuration_count = plan->configuration_count,
+    pl_plan round = {.configurations = all->plan->configurations,
+                     .configuration_count = all->plan->configuration_count,
                      .repeats = 1,
-                     .seed = plan->seed};
+                     .seed = all->plan->seed};
     pl_status status = PL_OK;
     *any = false;
-    for (int i = 0; i < s->count && status == PL_OK; ++i) {
-        pl_threshold_search *search = &s->items[i];
-        if (!is_over(search)) {
+    for (int i = 0; i < all->count && status == PL_OK; ++i) {
+        search *s = &all->items[i];
+        if (!s->is_over) {
             *any = true;
-            status = add_trial(&round, &plan->cases[search->test_case], search, error);
+            status = add_trial(&round, &all->plan->cases[s->test_case], s, error);
         }
     }
     if (status == PL_OK && *any) {
-        const pl_execution_def execution = {.plan = &round,
-                                            .jobs = s->def->jobs,
-                                            .limits = s->def->limits,
-                                            .provenance = s->def->provenance,
-                                            .journal = s->def->journal,
-                                            .user = s,
-                                            .skip = skip,
-                                            .keep = keep};
+        pl_execution_def execution = *how;
+        execution.plan = &round;
+        execution.progress = NULL;
+        execution.bar = all->bar.terminal ? &all->bar : NULL;
+        execution.user = all;
+        execution.take = take;
         status = pl_execute(&execution, signal_number, error);
     }
     round.configurations = NULL; /* the plan's */
@@ -207,176 +153,290 @@ static pl_status run_round(study *s, bool *any, int *signal_number, pl_error *er
     return status;
 }
 
-static void begin(study *s)
+pl_status pl_threshold_run(const pl_plan *plan, const pl_execution_def *how, int *signal_number,
+                           pl_error *error)
 {
-    const pl_plan *plan = s->def->plan;
+    searches all = {.plan = plan, .out = how->progress};
     long total = 0;
-    for (int p = 0; p < plan->case_count; ++p) {
-        const pl_scenario *scenario = plan->cases[p].descriptor;
-        for (int c = 0; c < plan->configuration_count; ++c) {
-            pl_threshold_search *search = &s->items[s->count++];
-            *search = (pl_threshold_search){
-                .test_case = p,
-                .configuration = c,
-                .param = pl_scenario_param(scenario, scenario->threshold->param),
-                .bisection = pl_bisection_begin(scenario->threshold)};
-            total += pl_bisection_most_trials(&search->bisection);
-        }
-    }
-    if (s->def->progress != NULL) {
-        s->progress = pl_progress_begin(s->def->progress, total, pl_monotonic_seconds());
-    }
-}
-
-pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_search **searches,
-                             int *count, int *signal_number, pl_error *error)
-{
-    study s = {.def = def};
-    size_t room = (size_t)def->plan->case_count * (size_t)def->plan->configuration_count;
     bool any = true;
+    for (int i = 0; i < plan->case_count * plan->configuration_count; ++i) {
+        const pl_case *test_case = &plan->cases[i / plan->configuration_count];
+        search added = {.test_case = i / plan->configuration_count,
+                        .configuration = i % plan->configuration_count,
+                        .param = pl_scenario_param(test_case->descriptor,
+                                                   pl_json_get_text(test_case->study, "param")),
+                        .bisection = begin(test_case->study)};
+        added.most = pl_bisection_most_trials(&added.bisection);
+        total += added.most;
+        pl_push(&all.items, &all.count, &added, sizeof added);
+    }
+    if (how->progress != NULL) {
+        all.bar = pl_progress_begin(how->progress, total, pl_monotonic_seconds());
+    }
     pl_status status = PL_OK;
-    *signal_number = 0;
-    *count = 0;
-    *searches = s.items = calloc(room + 1, sizeof *s.items);
-    if (s.items == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu searches", room);
-    }
-    begin(&s);
     while (status == PL_OK && any && *signal_number == 0) {
-        status = run_round(&s, &any, signal_number, error);
+        status = run_round(&all, how, &any, signal_number, error);
     }
-    if (def->progress != NULL) {
-        pl_progress_end(&s.progress);
+    if (how->progress != NULL) {
+        pl_progress_end(&all.bar);
     }
-    *count = s.count;
+    free(all.items);
     return status;
 }
 
-/* The midpoint of the bracket; NAN unless the value was found. */
-static double value_of(const pl_threshold_search *search)
-{
-    const pl_bisection *b = &search->bisection;
-    bool found = search->outcome[0] == '\0' && b->state == PL_BISECTION_FOUND;
-    return found ? midpoint_of(b) : (double)NAN;
-}
+/* ---- Concluding ---- */
 
-/* The side of the critical value on which the scene holds, as a word; NULL: not known. */
-static const char *side_of(const pl_threshold_search *search)
+/* What the trials of one search have in common. */
+static char *key_of(const json_t *result)
 {
-    const pl_bisection *b = &search->bisection;
-    const bool is_known = !b->either_side || b->state == PL_BISECTION_FOUND;
-    return !is_known ? NULL : b->holds_below ? "below" : "above";
-}
-
-static json_t *number(double value)
-{
-    return pl_json_number_or_null(value);
-}
-
-/* The keys of a run's identity that also hold for a search. */
-static json_t *identity_of(const pl_plan *plan, const pl_threshold_search *search)
-{
-    static const char *const of_one_run[] = {"run", "repeat", "scene_hash"};
-    const pl_planned_run planned = {.test_case = &plan->cases[search->test_case],
-                                    .configuration = &plan->configurations[search->configuration]};
-    json_t *identity = pl_planned_run_identity(plan, &planned);
-    for (size_t i = 0; identity != NULL && i < sizeof of_one_run / sizeof of_one_run[0]; ++i) {
-        json_object_del(identity, of_one_run[i]);
+    static const char *const same[] = {"scenario", "engine", "engine_binary", "profile",
+                                       "label",    "seed",   "study"};
+    json_t *key = json_array();
+    json_t *params = json_copy(json_object_get(result, "params"));
+    const json_t *study = json_object_get(result, "study");
+    json_object_del(params, pl_json_get_text(study, "param"));
+    json_array_append_new(key, params);
+    for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i) {
+        json_array_append(key, json_object_get(result, same[i]));
     }
-    const pl_scenario *scenario = planned.test_case->descriptor;
-    json_object_del(json_object_get(identity, "params"), scenario->threshold->param);
-    return identity;
+    char *text = pl_result_to_line(key);
+    json_decref(key);
+    return text;
 }
 
-json_t *pl_threshold_json(const pl_plan *plan, const pl_threshold_search *search,
-                          json_t *provenance, const char *started)
+/* The trial at a value; NULL: it was not made. */
+static const json_t *find_trial(const json_t *trials, const char *param, double value)
 {
-    const pl_scenario *scenario = plan->cases[search->test_case].descriptor;
-    const pl_threshold *t = scenario->threshold;
-    const double value = value_of(search), critical = critical_value(plan, search);
-    const double low = isnan(value) ? value : search->bisection.low;
-    const double high = isnan(value) ? value : search->bisection.high;
-    const char *reason = search->reason[0] != '\0' ? search->reason : NULL;
-    json_t *row = identity_of(plan, search);
-    json_t *found = json_pack(
-        "{s:s, s:s, s:s, s:s, s:s?, s:o, s:[o,o], s:[f,f], s:o, s:f, s:o, s:s?, s:o, s:o, s:i, "
-        "s:s}",
-        "schema", "plumb.threshold/1", "param", t->param, "unit",
-        scenario->params[search->param].unit, "finding", outcome_of(search), "reason", reason,
-        "value", number(value), "bracket", number(low), number(high), "searched", t->low, t->high,
-        "holds_below",
-        side_of(search) == NULL ? json_null() : json_boolean(search->bisection.holds_below),
-        "tolerance", t->tolerance, "closed_form", number(critical), "formula", t->formula, "error",
-        number(value - critical), "relative_error", number((value - critical) / critical), "runs",
-        search->runs, "started", started);
-    if (row == NULL || found == NULL || json_object_update(row, found) != 0 ||
-        json_object_update(row, provenance) != 0) {
-        json_decref(row);
-        row = NULL;
+    size_t index;
+    const json_t *trial;
+    json_array_foreach((json_t *)trials, index, trial)
+    {
+        if (number_of(json_object_get(trial, "params"), param) == value) {
+            return trial;
+        }
     }
-    json_decref(found);
+    return NULL;
+}
+
+/* Searches again, in the trials that were made. *ended is the trial whose outcome ended the search, neither ok nor
+ * collapsed; NULL: none. */
+static pl_bisection repeat_search(const json_t *trials, const json_t *study, int *runs,
+                                  const json_t **ended)
+{
+    pl_bisection bisection = begin(study);
+    *ended = NULL;
+    *runs = 0;
+    while (bisection.state == PL_BISECTION_SEARCHING) {
+        const json_t *trial =
+            find_trial(trials, pl_json_get_text(study, "param"), pl_bisection_next(&bisection));
+        if (trial == NULL) {
+            break;
+        }
+        const char *outcome = pl_json_get_text(trial, "outcome");
+        const bool holds = strcmp(outcome, "ok") == 0;
+        ++*runs;
+        if (!holds && strcmp(outcome, "collapsed") != 0) {
+            *ended = trial;
+            break;
+        }
+        pl_bisection_take(&bisection, holds);
+    }
+    return bisection;
+}
+
+/* The keys of a trial that also hold for its search. */
+static json_t *identity_of(const json_t *trial, const char *param)
+{
+    static const char *const kept[] = {
+        "scenario", "engine",         "engine_version", "engine_binary", "engine_spec",
+        "profile",  "engine_runtime", "threads",        "as_shipped",    "label",
+        "settings", "seed",           "primary_error",  "acceptance",    "conformance",
+        "host",     "plumb",          "command",        "started"};
+    json_t *row = json_object();
+    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; ++i) {
+        json_t *value = json_object_get(trial, kept[i]);
+        if (value != NULL) {
+            json_object_set(row, kept[i], value);
+        }
+    }
+    json_t *params = json_copy(json_object_get(trial, "params"));
+    json_object_del(params, param);
+    json_object_set_new(row, "params", params);
     return row;
 }
 
-static void print_head(FILE *out, const pl_plan *plan, const pl_threshold_search *search)
+/* "found", "never holds", "always holds", "reversed", the outcome that ended it, or "searching". */
+static const char *finding_of(const pl_bisection *bisection, const json_t *ended)
 {
-    const pl_scenario *scenario = plan->cases[search->test_case].descriptor;
-    const pl_threshold *t = scenario->threshold;
-    const pl_param *param = &scenario->params[search->param];
-    const bool plain = strcmp(param->unit, "1") == 0;
-    const double critical = critical_value(plan, search);
-    pl_folding folding;
-    FILE *folded = pl_folding_begin(&folding, out);
-    const char *side = side_of(search);
-    fprintf(folded, "%s: critical %s%s%s, searched from %g to %g%s%s%s\n", scenario->name, t->param,
-            plain ? "" : ", ", plain ? "" : param->unit, t->low, t->high,
-            side == NULL ? "" : ", holds ", side == NULL ? "" : side, side == NULL ? "" : " it");
-    if (isnan(critical)) {
-        fprintf(folded, "  no closed form\n");
-    } else {
-        fprintf(folded, "  closed form: %.9g = %s\n", critical, t->formula);
-    }
-    pl_folding_end(&folding);
+    static const char *const names[] = {[PL_BISECTION_SEARCHING] = "searching",
+                                        [PL_BISECTION_FOUND] = "found",
+                                        [PL_BISECTION_NEVER_HOLDS] = "never holds",
+                                        [PL_BISECTION_ALWAYS_HOLDS] = "always holds",
+                                        [PL_BISECTION_REVERSED] = "reversed"};
+    return ended != NULL ? pl_json_get_text(ended, "outcome") : names[bisection->state];
 }
 
-static void add_row(pl_table *table, const pl_plan *plan, const pl_threshold_search *search)
+/* plumb.threshold/1 of the trials of one search. */
+static json_t *conclude_search(const json_t *trials)
 {
-    const double value = value_of(search), critical = critical_value(plan, search);
-    const double error = value - critical;
-    pl_table_add(table, plan->configurations[search->configuration].label);
+    const json_t *first = json_array_get(trials, 0), *ended = NULL;
+    const json_t *study = json_object_get(first, "study");
+    int runs = 0;
+    const pl_bisection b = repeat_search(trials, study, &runs, &ended);
+    const bool found = b.state == PL_BISECTION_FOUND;
+    const double value = found ? pl_bisection_midpoint(&b) : (double)NAN;
+    const double critical = number_of(study, "closed_form");
+    const bool is_known = !b.either_side || found;
+    const char *reason = ended == NULL ? NULL : pl_json_get_text(ended, "reason");
+    json_t *row = identity_of(first, pl_json_get_text(study, "param"));
+    json_t *conclusion = json_pack(
+        "{s:s, s:O, s:O, s:s, s:s?, s:o, s:[o,o], s:[O,O], s:o, s:O, s:O, s:O, s:o, s:o, s:i}",
+        "schema", "plumb.threshold/1", "param", json_object_get(study, "param"), "unit",
+        json_object_get(study, "unit"), "finding", finding_of(&b, ended), "reason", reason, "value",
+        pl_json_number_or_null(value), "bracket",
+        pl_json_number_or_null(found ? b.low : (double)NAN),
+        pl_json_number_or_null(found ? b.high : (double)NAN), "searched",
+        json_object_get(study, "low"), json_object_get(study, "high"), "holds_below",
+        is_known ? json_boolean(b.holds_below) : json_null(), "tolerance",
+        json_object_get(study, "tolerance"), "closed_form", json_object_get(study, "closed_form"),
+        "formula", json_object_get(study, "formula"), "error",
+        pl_json_number_or_null(value - critical), "relative_error",
+        pl_json_number_or_null((value - critical) / critical), "runs", runs);
+    json_object_update(row, conclusion);
+    json_decref(conclusion);
+    return row;
+}
+
+static pl_status conclude(const json_t *results, const char *folder, json_t **conclusion,
+                          pl_error *error)
+{
+    (void)folder;
+    json_t *all = json_object(), *trials, *result;
+    size_t index;
+    const char *key;
+    json_array_foreach((json_t *)results, index, result)
+    {
+        if (!isfinite(begin(json_object_get(result, "study")).tolerance)) {
+            json_decref(all);
+            return pl_fail(error, PL_BAD_INPUT, "results[%zu].study: expected a threshold", index);
+        }
+        char *text = key_of(result);
+        if (json_object_get(all, text) == NULL) {
+            json_object_set_new(all, text, json_array());
+        }
+        json_array_append(json_object_get(all, text), result);
+        free(text);
+    }
+    *conclusion = json_array();
+    json_object_foreach(all, key, trials)
+    {
+        json_array_append_new(*conclusion, conclude_search(trials));
+    }
+    json_decref(all);
+    return PL_OK;
+}
+
+/* ---- The document ---- */
+
+static bool is_same_scene(const json_t *a, const json_t *b)
+{
+    static const char *const keys[] = {"scenario", "params", "param", "searched", "seed"};
+    bool same = true;
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
+        same = same && json_equal(json_object_get(a, keys[i]), json_object_get(b, keys[i]));
+    }
+    return same;
+}
+
+static void add_head(pl_document *document, const json_t *row)
+{
+    const json_t *holds = json_object_get(row, "holds_below"),
+                 *searched = json_object_get(row, "searched");
+    const char *unit = pl_json_get_text(row, "unit");
+    const bool is_plain = strcmp(unit, "1") == 0;
+    pl_document_heading(document, "%s: critical %s%s%s", pl_json_get_text(row, "scenario"),
+                        pl_json_get_text(row, "param"), is_plain ? "" : ", ", is_plain ? "" : unit);
+    char *closed = json_is_number(json_object_get(row, "closed_form"))
+                       ? pl_heap_format("Closed form: %.9g = %s", number_of(row, "closed_form"),
+                                        pl_json_get_text(row, "formula"))
+                       : pl_heap_copy("There is no closed form");
+    pl_document_paragraph(document, "Searched from %g to %g%s. %s.",
+                          json_number_value(json_array_get(searched, 0)),
+                          json_number_value(json_array_get(searched, 1)),
+                          !json_is_boolean(holds) ? ""
+                          : json_is_true(holds)   ? ", holds below it"
+                                                  : ", holds above it",
+                          closed);
+    free(closed);
+}
+
+static void add_row(pl_table *table, json_t *plot, const json_t *row)
+{
+    const json_t *bracket = json_object_get(row, "bracket");
+    const double low = json_number_value(json_array_get(bracket, 0)),
+                 high = json_number_value(json_array_get(bracket, 1));
+    const double value = number_of(row, "value");
+    const int runs = (int)json_integer_value(json_object_get(row, "runs"));
+    pl_table_add(table, pl_json_get_text(row, "label"));
     if (isnan(value)) {
-        const char *reason = search->reason;
-        pl_text_buffer text = {0};
-        pl_text_format(&text, "%s%s%s (%d %s)", outcome_of(search), reason[0] != '\0' ? ": " : "",
-                       reason, search->runs, search->runs == 1 ? "run" : "runs");
-        pl_table_add_span(table, text.failed ? "" : text.data);
-        table->texts.failed |= text.failed;
-        pl_text_free(&text);
+        const char *reason = pl_json_get_text(row, "reason");
+        char *text =
+            pl_heap_format("%s%s%s (%d %s)", pl_json_get_text(row, "finding"),
+                           reason[0] != '\0' ? ": " : "", reason, runs, runs == 1 ? "run" : "runs");
+        pl_table_add_span(table, text);
+        free(text);
         return;
     }
     pl_table_number(table, value, 9);
-    pl_table_number(table, (search->bisection.high - search->bisection.low) / 2, 2);
-    pl_table_format_cell(table, isnan(critical) ? "-" : "%.2e", error);
-    pl_table_format_cell(table, isnan(critical) ? "-" : "%.2e", error / critical);
-    pl_table_format_cell(table, "%d", search->runs);
+    pl_table_number(table, (high - low) / 2, 2);
+    pl_table_number(table, number_of(row, "error"), 3);
+    pl_table_number(table, number_of(row, "relative_error"), 3);
+    pl_table_format_cell(table, "%d", runs);
+    pl_plot_row(plot, pl_json_get_text(row, "label"), (const double[]){low, value, high}, 3);
 }
 
-void pl_threshold_print(FILE *out, const pl_plan *plan, const pl_threshold_search *searches,
-                        int count)
+/* The searches of one scene, from the first one on. */
+static void add_scene(pl_document *document, const json_t *conclusion, const json_t *first)
 {
-    pl_table table = {.indent = 2};
+    pl_table table = {0};
+    char *axis = pl_heap_format("%s (%s)", pl_json_get_text(first, "param"),
+                                pl_json_get_text(first, "unit"));
+    char *caption =
+        pl_heap_format("%s: critical %s of each engine, with its bracket",
+                       pl_json_get_text(first, "scenario"), pl_json_get_text(first, "param"));
+    json_t *plot = pl_plot_make(PL_PLOT_INTERVALS, caption, axis, NULL);
+    size_t index;
+    const json_t *row;
+    add_head(document, first);
     pl_table_columns(&table, "engine|>value|>±|>error|>relative|>runs");
-    for (int i = 0; i < count; ++i) {
-        add_row(&table, plan, &searches[i]);
-    }
-    for (int i = 0; i < count; i = table.last) {
-        for (table.first = table.last = i;
-             table.last < count && searches[table.last].test_case == searches[i].test_case;) {
-            table.last += 1;
+    json_array_foreach((json_t *)conclusion, index, row)
+    {
+        if (is_same_scene(first, row)) {
+            add_row(&table, plot, row);
         }
-        fprintf(out, "%s", i == 0 ? "" : "\n");
-        print_head(out, plan, &searches[i]);
-        pl_table_print(&table, out);
     }
-    pl_table_free(&table);
+    pl_plot_rule(plot, number_of(first, "closed_form"));
+    pl_document_plot(document, plot);
+    pl_document_table(document, "Critical values", &table);
+    free(axis);
+    free(caption);
 }
+
+static void fill_document(const json_t *conclusion, pl_document *document)
+{
+    const size_t count = json_array_size(conclusion);
+    document->title = "Critical values, found by bisection";
+    for (size_t i = 0; i < count; ++i) {
+        const json_t *row = json_array_get(conclusion, i);
+        size_t first = 0;
+        while (!is_same_scene(json_array_get(conclusion, first), row)) {
+            ++first;
+        }
+        if (first == i) {
+            add_scene(document, conclusion, row);
+        }
+    }
+}
+
+const pl_study pl_threshold_study = {
+    .name = "threshold", .conclude = conclude, .document = fill_document};

@@ -17,8 +17,8 @@ typedef struct pl_tune_def {
     int jobs;
     pl_limits limits;
     json_t *provenance;
-    pl_journal *journal; /* of the runs; NULL: none */
-    FILE *progress;      /* NULL: no progress is shown */
+    pl_store *store; /* of the runs; NULL: none */
+    FILE *progress;  /* NULL: no progress is shown */
 } pl_tune_def;
 
 /* The cost of the best point on a scenario and its targets there, next to the default settings. */

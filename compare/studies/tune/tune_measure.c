@@ -282,10 +282,10 @@ pl_status pl_measure(const pl_measure_def *def, pl_readings *readings, long *run
                                             .jobs = def->jobs,
                                             .limits = def->limits,
                                             .provenance = def->provenance,
-                                            .journal = def->journal,
+                                            .store = def->store,
                                             .user = &g,
                                             .skip = skip,
-                                            .keep = keep};
+                                            .take = keep};
         status = pl_execute(&execution, signal_number, error);
     }
     *runs += g.done;

@@ -88,8 +88,8 @@ typedef struct pl_measure_def {
     int jobs;
     pl_limits limits;
     json_t *provenance;
-    pl_journal *journal; /* NULL: none */
-    pl_progress *bar;    /* counts the runs; NULL: none */
+    pl_store *store;  /* NULL: none */
+    pl_progress *bar; /* counts the runs; NULL: none */
 } pl_measure_def;
 
 /* Makes the runs. The caller frees *readings in any case. A signal ends them as in pl_execute.

@@ -67,7 +67,7 @@ pl_status pl_tuner_measure(pl_tuner *t, pl_tuner_runs runs, pl_readings *reading
                                      .jobs = def->jobs,
                                      .limits = limits_of(t),
                                      .provenance = def->provenance,
-                                     .journal = def->journal,
+                                     .store = def->store,
                                      .bar = t->shows ? &t->bar : NULL};
     return pl_measure(&measured, readings, &t->tuning->runs, &t->tuning->signal_number, error);
 }
@@ -203,20 +203,17 @@ static void log_evaluation(const pl_tuner *t, const pl_setting *setting,
     }
 }
 
-/* Runs that the journal had took no time: it also has the time that they took. */
-static pl_status recall_seconds(const pl_tuner *t, double *seconds, pl_error *error)
+/* The CPU time of the engine's steps in all runs of the readings. It is that of the results, so that a search that
+ * is continued takes the same way. */
+static double seconds_of(const pl_tuner *t, const pl_readings *readings)
 {
-    static const char key[] = "seconds";
-    json_t *value = pl_journal_take(t->def->journal, key);
-    pl_status status = PL_OK;
-    if (value != NULL) {
-        *seconds = json_number_value(value);
-    } else {
-        value = json_real(*seconds);
-        status = pl_journal_add(t->def->journal, key, value, error);
+    const int cases = readings->case_count;
+    double sum = 0;
+    for (int i = 0; i < readings->setting_count * cases; ++i) {
+        const double rate = readings->items[i].is_there ? readings->items[i].seconds[0] : 0;
+        sum += isfinite(rate) ? rate * t->def->plan->cases[i % cases].scene.duration : 0;
     }
-    json_decref(value);
-    return status;
+    return sum;
 }
 
 /* Measures one repeat. A setting that also meets the targets on the changed scenarios is timed by
@@ -227,14 +224,10 @@ pl_status pl_evaluation_make(void *user, pl_evaluation *evaluation, bool *stop, 
     pl_tuning *tuning = t->tuning;
     const bool counted = tuning->by_instructions;
     const pl_setting settings[2] = {pl_tuner_setting(t, evaluation->values), t->defaults};
-    const double began = pl_monotonic_seconds();
     pl_tuner_runs runs = {.settings = settings, .count = counted ? 1 : 2};
     pl_readings readings;
     pl_status status = pl_tuner_measure(t, runs, &readings, error);
-    double seconds = pl_monotonic_seconds() - began;
-    if (status == PL_OK && tuning->signal_number == 0) {
-        status = recall_seconds(t, &seconds, error);
-    }
+    const double seconds = status == PL_OK ? seconds_of(t, &readings) : 0;
     if (status == PL_OK) {
         const pl_reading *mine = pl_readings_of(&readings, 0);
         evaluation->cost = counted ? instructions_ratio(t, mine)

@@ -39,7 +39,7 @@ typedef struct pl_tuner {
     pl_setting defaults;          /* the default settings */
     pl_spread *spreads;           /* (case_count): of the evaluation in progress */
     double *default_instructions; /* (case_count): per simulated second; NAN: not counted */
-    double best_seconds;          /* wall time of the first runs of the best evaluation */
+    double best_seconds; /* CPU time of the steps in the first runs of the best evaluation */
 } pl_tuner;
 
 /* What to measure. */

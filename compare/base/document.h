@@ -1,0 +1,100 @@
+/* A document as data: headings, sentences, lists, tables and plots. Four writers print it: for a terminal, as
+ * Markdown, as JSON for a page, and its tables as CSV.
+ *
+ *     pl_document document = {.title = "Thresholds"};
+ *     pl_document_heading(&document, "%s", scenario);
+ *     pl_document_paragraph(&document, "closed form: %.9g", critical);
+ *     pl_document_table(&document, "Critical values", &table);
+ *     char *text = pl_document_text(&document, pl_window_width(stdout));
+ *     pl_document_free(&document);
+ *
+ * Memory that ends ends the program. */
+#ifndef PLUMB_DOCUMENT_H
+#define PLUMB_DOCUMENT_H
+
+#include "table.h"
+
+#include <jansson.h>
+
+/* The width in which paragraphs of Markdown are written. */
+enum { PL_MARKDOWN_WIDTH = 90 };
+
+/* A part of a document. */
+typedef enum pl_block_kind {
+    PL_BLOCK_HEADING,
+    PL_BLOCK_PARAGRAPH,
+    PL_BLOCK_ITEM,  /* of a list */
+    PL_BLOCK_TABLE, /* with its caption */
+    PL_BLOCK_PLOT   /* on a page only */
+} pl_block_kind;
+
+/* A part with what it says. */
+typedef struct pl_block {
+    pl_block_kind kind;
+    char *text;     /* owned */
+    pl_table table; /* of a table */
+    json_t *plot;   /* of a plot; owned */
+} pl_block;
+
+/* Starts with its title alone. */
+typedef struct pl_document {
+    const char *title; /* borrowed */
+    pl_block *blocks;  /* (count) */
+    int count;
+} pl_document;
+
+/* Frees the parts. */
+void pl_document_free(pl_document *document);
+
+/* Adds a heading below the title, formatted as printf does. It begins a section. */
+__attribute__((format(printf, 2, 3))) void pl_document_heading(pl_document *document,
+                                                               const char *format, ...);
+
+/* Adds a paragraph, formatted as printf does. */
+__attribute__((format(printf, 2, 3))) void pl_document_paragraph(pl_document *document,
+                                                                 const char *format, ...);
+
+/* Adds an item of a list, formatted as printf does. */
+__attribute__((format(printf, 2, 3))) void pl_document_item(pl_document *document,
+                                                            const char *format, ...);
+
+/* Adds a table, whose contents the document takes: `table` is empty then. One without rows is left out. */
+void pl_document_table(pl_document *document, const char *caption, pl_table *table);
+
+/* ---- Plots ---- */
+
+/* What a plot draws for each row. */
+typedef enum pl_plot_kind {
+    PL_PLOT_INTERVALS, /* numbers low, value, high along x: a bar with a dot */
+    PL_PLOT_SAMPLES,   /* any numbers along x: their quartiles and dots */
+    PL_PLOT_POINTS     /* numbers x, y, x, y ...: dots */
+} pl_plot_kind;
+
+/* A plot without rows. `x` and `y` name the axes with their units; y NULL: rows stand below each other. */
+json_t *pl_plot_make(pl_plot_kind kind, const char *caption, const char *x, const char *y);
+
+/* Adds the numbers of a row; one that is not finite is left out. */
+void pl_plot_row(json_t *plot, const char *name, const double *numbers, int count);
+
+/* Draws a line across the rows at x. */
+void pl_plot_rule(json_t *plot, double x);
+
+/* Adds a plot, which the document takes. One without rows is left out. */
+void pl_document_plot(pl_document *document, json_t *plot);
+
+/* ---- Writers: malloc'd text ---- */
+
+/* For a terminal with lines of `width` columns. Wider tables are folded: each part of a row keeps its key columns. */
+char *pl_document_text(const pl_document *document, int width);
+
+/* As GitHub Flavored Markdown. */
+char *pl_document_markdown(const pl_document *document);
+
+/* All tables as CSV, each after its caption on a line, with an empty line between two. */
+char *pl_document_csv(const pl_document *document);
+
+/* {"title", "sections": [{"title", "blocks": [...]}]}: a block is {"text"}, {"item"}, {"caption", "columns", "rows"}
+ * or a plot {"kind", "caption", "x", "y", "rule", "rows"}. A new reference. */
+json_t *pl_document_json(const pl_document *document);
+
+#endif

@@ -1,0 +1,126 @@
+#include "study_command.h"
+
+#include "base/folding.h"
+#include "base/heap.h"
+#include "report/page.h"
+#include "results/store.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Writes DIRECTORY/NAME.SUFFIX. */
+static pl_status write_file(const char *directory, const pl_study *study, const char *suffix,
+                            const char *text, pl_error *error)
+{
+    char *path = pl_heap_format("%s/%s.%s", directory, study->name, suffix);
+    const pl_status status = pl_write_text(path, text, strlen(text), error);
+    free(path);
+    return status;
+}
+
+static pl_status write_page(const char *directory, const pl_study *study,
+                            const pl_document *document, pl_error *error)
+{
+    pl_text_buffer page = {0};
+    json_t *data = pl_document_json(document);
+    pl_page_of_study(&page, "document", data);
+    char *text = pl_text_take(&page);
+    const pl_status status = write_file(directory, study, "html", text, error);
+    json_decref(data);
+    free(text);
+    return status;
+}
+
+pl_status pl_study_write_page(const char *directory, const pl_study *study,
+                              const json_t *conclusion, pl_error *error)
+{
+    pl_document document = {.title = study->name};
+    study->document(conclusion, &document);
+    const pl_status status = write_page(directory, study, &document, error);
+    pl_document_free(&document);
+    return status;
+}
+
+/* NAME.json, NAME.md, NAME.html and --json. */
+static pl_status write_files(const pl_request *request, const pl_study *study,
+                             const json_t *conclusion, const pl_document *document, pl_error *error)
+{
+    char *path = pl_heap_format("%s/%s.json", request->out, study->name);
+    char *markdown = pl_document_markdown(document);
+    pl_status status = pl_results_write_json(path, conclusion, error);
+    if (status == PL_OK) {
+        status = write_file(request->out, study, "md", markdown, error);
+    }
+    if (status == PL_OK) {
+        status = write_page(request->out, study, document, error);
+    }
+    if (status == PL_OK) {
+        status = pl_results_write_json(request->json, conclusion, error);
+    }
+    free(path);
+    free(markdown);
+    return status;
+}
+
+pl_status pl_study_deliver(const pl_request *request, const pl_study *study, const json_t *results,
+                           const char *folder, pl_error *error)
+{
+    json_t *conclusion = NULL;
+    pl_document document = {.title = study->name};
+    pl_status status = study->conclude(results, folder, &conclusion, error);
+    if (status == PL_OK) {
+        study->document(conclusion, &document);
+        status = write_files(request, study, conclusion, &document, error);
+    }
+    if (status == PL_OK && !pl_is_stdout(request->json)) {
+        char *text = pl_document_text(&document, pl_window_width(stdout));
+        fputs(text, stdout);
+        free(text);
+    }
+    if (status == PL_OK) {
+        fflush(stdout);
+        pl_print_line(stderr, "%zu %s in %s/results.jsonl; the page is %s/%s.html",
+                      json_array_size(results),
+                      json_array_size(results) == 1 ? "result is" : "results are", folder,
+                      request->out, study->name);
+    }
+    pl_document_free(&document);
+    json_decref(conclusion);
+    return status;
+}
+
+int pl_study_command(const pl_call *call, const pl_request *request, const pl_study_work *work)
+{
+    pl_error error = {.message = ""};
+    pl_store *store = NULL;
+    int signal_number = 0, code = PL_EXIT_OK;
+    char *file = pl_heap_format("%s.json", work->study->name);
+    const char *const others[] = {file, NULL};
+    json_t *provenance = pl_call_provenance(call, &error);
+    pl_status status = pl_request_outputs(request, NULL, &error);
+    if (status == PL_OK) {
+        status = pl_store_open(request->out, pl_store_mode_of(request->resume, request->force),
+                               others, &store, &error);
+    }
+    if (status == PL_OK) {
+        pl_execution_def how = {.jobs = request->jobs,
+                                .limits = request->limits,
+                                .provenance = provenance,
+                                .store = store,
+                                .progress = stderr};
+        status = work->run(work->user, &how, &signal_number, &error);
+    }
+    if (status == PL_OK && signal_number == 0) {
+        json_t *results = pl_results_of_study(pl_store_results(store), work->study->name);
+        status = pl_study_deliver(request, work->study, results, request->out, &error);
+        code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
+        json_decref(results);
+        if (status == PL_OK) {
+            pl_store_finish(store);
+        }
+    }
+    json_decref(provenance);
+    free(file);
+    return pl_call_end_store(call, store, request->out, status, &error, signal_number, code);
+}

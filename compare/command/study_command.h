@@ -1,0 +1,30 @@
+/* How the command of a study runs: one way for all of them. Results are in DIR/results.jsonl, and the conclusion in
+ * DIR/NAME.json, NAME.md and NAME.html. */
+#ifndef PLUMB_STUDY_COMMAND_H
+#define PLUMB_STUDY_COMMAND_H
+
+#include "request.h"
+#include "runner/execute.h"
+#include "studies/study.h"
+
+/* What a study does between its options and its conclusion. */
+typedef struct pl_study_work {
+    const pl_study *study;
+    void *user;
+    /* Makes the runs: sets the plan of *how, which has all else, and executes it, in rounds if need be. */
+    pl_status (*run)(void *user, pl_execution_def *how, int *signal_number, pl_error *error);
+} pl_study_work;
+
+/* Makes the runs that are missing, concludes from all that the folder has, and delivers. Returns the exit code. */
+int pl_study_command(const pl_call *call, const pl_request *request, const pl_study_work *work);
+
+/* Concludes from an array of results of the study, whose files are in `folder`, and writes the files into request->out,
+ * --json, and the text on standard output, unless the JSON is there. */
+pl_status pl_study_deliver(const pl_request *request, const pl_study *study, const json_t *results,
+                           const char *folder, pl_error *error);
+
+/* Writes DIRECTORY/NAME.html of a conclusion. */
+pl_status pl_study_write_page(const char *directory, const pl_study *study,
+                              const json_t *conclusion, pl_error *error);
+
+#endif
