@@ -24,6 +24,7 @@ engine/src/problem:          engine/include base model
 engine/src/sparse:           engine/include base problem
 engine/src/solver:           engine/include base model problem sparse
 engine/src/step:             engine/include base model broad_phase contact problem sparse solver
+engine/tools:                engine/include
 scenarios/include/plumb/status.h:
 scenarios/include/plumb/base.h: status.h
 scenarios/include/plumb/scene_data.h: status.h
@@ -53,7 +54,6 @@ compare/studies/ensemble:    HARNESS engines geometry metrics results runner
 compare/studies/reference:   HARNESS adapters engines metrics results runner ensemble
 compare/studies/metamorphic: HARNESS engines geometry results runner
 compare/studies/iterations:  HARNESS adapters engines metrics results runner
-compare/studies/solve:       HARNESS engine/include adapters engines results runner
 compare/gate:                HARNESS metrics results
 compare/report:              HARNESS metrics results sweep
 compare/command:             HARNESS engine/include adapters engines metrics results runner STUDIES conformance gate report
@@ -63,7 +63,7 @@ group() {
     case $1 in
     SCENE) echo status.h base.h vec.h scene_data.h scenarios/include scenarios/base ;;
     HARNESS) echo $(group SCENE) compare/base compare/include ;;
-    STUDIES) echo variant sweep tune threshold ensemble reference metamorphic iterations solve ;;
+    STUDIES) echo variant sweep tune threshold ensemble reference metamorphic iterations ;;
     *) echo "$1" ;;
     esac
 }
