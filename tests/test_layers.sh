@@ -127,6 +127,7 @@ only '(dart/[a-z]+/|Eigen/|assimp/)' compare/adapters/dart
 only 'bt[A-Z]|Bullet' compare/adapters/bullet_c.cpp
 only 'ccd/' compare/referee/geometry/gap_convex.c
 only 'nlopt' compare/studies/tune/tune_search.c
+only 'utf8proc' compare/base/text_width.c
 only 'argp' compare/command
 
 # Build files list their sources: a file that none of them names would never be compiled.
