@@ -70,10 +70,11 @@ common_packages() {
     need libjansson-dev has_module jansson
     need libccd-dev has_module ccd
     need libqhull-dev has_module qhull_r
+    need libnlopt-dev has_module nlopt
+    need libutf8proc-dev has_module libutf8proc
     need zlib1g-dev has_module zlib
     command -v npm >/dev/null || need esbuild command -v esbuild
     want libsuitesparse-dev test -e /usr/include/suitesparse/amd.h
-    want libnlopt-dev has_module nlopt
     want libode-dev has_module ode
     want libbullet-dev has_module bullet
     want libbullet-extras-dev has_module bullet-float64

@@ -51,7 +51,7 @@ CONFIGURATION
 }
 
 mapfile -t public < <(find engine/include scenarios/include compare/include -name '*.h' | sort)
-mapfile -t inner < <(find engine/src scenarios compare -name '*.h' -not -path '*/include/*' | sort)
+mapfile -t inner < <(find engine/src engine/tools scenarios compare -name "*.h" -not -path '*/include/*' | sort)
 read_headers "${public[@]}" >"$folder/warnings"
 # Of the inner headers, functions and types must be documented; fields explain themselves where they have no comment.
 read_headers "${inner[@]}" | grep -vE 'Member .*\(variable\)|Member .*\(enumvalue\)|Member .*\(macro definition\)' >>"$folder/warnings" || true

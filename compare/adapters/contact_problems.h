@@ -1,5 +1,5 @@
 /* An extension of the engine ABI (pl_engine.extension): an engine that can export the contact
- * problems of a step as data of plumb/contact_problem.h, for `plumb solve`. */
+ * problems of a step as data of plumb/contact_problem.h, for `plumb run --capture`. */
 #ifndef PLUMB_CONTACT_PROBLEMS_H
 #define PLUMB_CONTACT_PROBLEMS_H
 

@@ -1,5 +1,7 @@
 #include "folding.h"
 
+#include "text_width.h"
+
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,13 +38,17 @@ static bool is_blank(char c)
 size_t pl_fold_line(const char *text, int width, size_t *next)
 {
     size_t at = 0, word = 0, part = 0; /* where the last word, and a part of a word, ended */
-    for (int used = 0; text[at] != '\0' && used < width; ++used) {
+    for (int used = 0, columns = 0; text[at] != '\0'; used += columns) {
+        const size_t bytes = pl_character_length(text + at, &columns);
+        if (at > 0 && used + columns > width) {
+            break;
+        }
         if (is_blank(text[at]) && at > 0 && !is_blank(text[at - 1])) {
             word = at;
         } else if (strchr("_:/,;=@-", text[at]) != NULL) {
-            part = at + 1;
+            part = at + bytes;
         }
-        at += pl_code_point_length(text + at);
+        at += bytes;
     }
     size_t end = at;
     if (text[at] != '\0' && !is_blank(text[at])) {
@@ -56,8 +62,10 @@ size_t pl_fold_line(const char *text, int width, size_t *next)
 int pl_longest_word(const char *text)
 {
     int longest = 0, used = 0;
-    for (; *text != '\0'; text += pl_code_point_length(text)) {
-        used = is_blank(*text) ? 0 : used + 1;
+    for (size_t bytes = 0; *text != '\0'; text += bytes) {
+        int columns;
+        bytes = pl_character_length(text, &columns);
+        used = is_blank(*text) ? 0 : used + columns;
         longest = used > longest ? used : longest;
     }
     return longest;
@@ -71,8 +79,9 @@ static int hanging_indent(const char *line, int width)
     int indent = blanks + (blanks > 0 || is_item ? 2 : 0), column = blanks;
     for (const char *c = line + blanks; *c != '\0' && column < width / 2;) {
         const int gap = (int)strspn(c, " ");
-        column += gap > 0 ? gap : 1;
-        c += gap > 0 ? (size_t)gap : pl_code_point_length(c);
+        int columns = gap;
+        c += gap > 0 ? (size_t)gap : pl_character_length(c, &columns);
+        column += columns;
         if (gap > 1 && column <= width / 2) {
             indent = column;
         }

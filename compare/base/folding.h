@@ -1,5 +1,5 @@
 /* Text that fits the window of a terminal: long lines are broken at blanks, and nothing is cut off.
- * Widths are in code points. */
+ * Widths are those of text_width.h. */
 #ifndef PLUMB_FOLDING_H
 #define PLUMB_FOLDING_H
 
@@ -18,7 +18,7 @@ bool pl_window_is_known(FILE *out);
 
 /* The bytes of the first line of `text` when it is broken into lines of at most `width` >= 1: at
  * the last blank that fits; in a longer word after its last sign such as '_', ':' or '/', or else
- * anywhere. *next is where the next line starts, after the blanks between them. */
+ * after the last character that fits, at least one. *next is where the next line starts, after the blanks between them. */
 size_t pl_fold_line(const char *text, int width, size_t *next);
 
 /* The width of the widest part of `text` between blanks. */

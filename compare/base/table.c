@@ -3,6 +3,7 @@
 #include "base/array.h"
 #include "folding.h"
 #include "table_text.h"
+#include "text_width.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -4,6 +4,7 @@
 #include "table_text.h"
 
 #include "folding.h"
+#include "text_width.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -147,7 +148,8 @@ static int write_part(const layout *l, int row, int column, int width, int space
     size_t next = 0;
     const size_t length = pl_fold_line(rest, width, &next);
     pl_text_buffer part = {0};
-    const int used = pl_text_add_plain(&part, rest, length);
+    pl_text_add_plain(&part, rest, length);
+    const int used = part.data == NULL ? 0 : pl_text_width(part.data);
     l->rest[column] = rest + next;
     const int blank = width - used;
     if (used > 0) {

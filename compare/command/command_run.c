@@ -1,11 +1,11 @@
 /* plumb run SCENARIO --engine SPEC: one run, one result. */
 #include "base/folding.h"
 #include "base/table.h"
+#include "capture_file.h"
 #include "request.h"
 #include "results/run_verdict.h"
 #include "results/store.h"
 #include "runner/execute.h"
-#include "studies/solve/problem_file.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -231,10 +231,8 @@ static pl_status execute(const pl_call *call, const options *o, pl_plan *plan, j
 /* Of files that are numbered, the first stands for all. */
 static pl_status check_outputs(const options *o, pl_error *error)
 {
-    char *capture = pl_capture_path(o->capture, 1);
-    pl_status status = capture == NULL && o->capture != NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                           : pl_request_outputs(&o->request, o->trajectory, error);
+    char *capture = o->capture == NULL ? NULL : pl_capture_path(o->capture, 1);
+    pl_status status = pl_request_outputs(&o->request, o->trajectory, error);
     if (status == PL_OK) {
         status = pl_output_check(capture, o->request.force, error);
     }
@@ -282,7 +280,7 @@ static const pl_option OPTIONS[] = {
     {"trajectory", "FILE", "Write every frame as CSV (- is standard output)", PL_OPTION_TEXT,
      .field = offsetof(options, trajectory)},
     {"capture", "STEP:FILE",
-     "Write the contact problem of that step (from 1), for plumb solve: that of the largest "
+     "Write the contact problem of that step (from 1) as JSON: that of the largest "
      "island, or, with {} in FILE, those of all islands, numbered",
      PL_OPTION_PARSED, .parse = parse_capture},
     {0}};

@@ -140,14 +140,7 @@ static int run(const pl_call *call)
     pl_plan plan = {.repeats = 1};
     pl_tune_space space = {.parameter_count = 0};
     int code = PL_EXIT_OK;
-    pl_status status = PL_OK;
-    if (!pl_search_has_nlopt()) {
-        status = pl_fail(&error, PL_UNSUPPORTED,
-                         "this build lacks NLopt: install libnlopt-dev and build again");
-    }
-    if (status == PL_OK) {
-        status = pl_request_plan(call, &o.request, &plan, &error);
-    }
+    pl_status status = pl_request_plan(call, &o.request, &plan, &error);
     if (status == PL_OK && plan.configuration_count > 0) {
         status = check_fault(&plan.configurations[0].choice, &error);
     }

@@ -7,9 +7,8 @@
 #include <sys/stat.h>
 
 /* The pages that commands write, the first that is there is opened. */
-static const char *const pages[] = {
-    "index.html",     "sweep.html",       "ensemble.html", "solver_benchmark.html",
-    "threshold.html", "metamorphic.html", "tune.html"};
+static const char *const pages[] = {"index.html",     "sweep.html",       "ensemble.html",
+                                    "threshold.html", "metamorphic.html", "tune.html"};
 
 static bool is_file(const char *path)
 {

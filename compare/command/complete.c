@@ -3,7 +3,6 @@
 #include "adapters/built_in.h"
 #include "conformance/conformance.h"
 #include "engines/registry.h"
-#include "plumb/contact_problem.h"
 #include "plumb/scenario.h"
 #include "referee/metrics/metrics.h"
 
@@ -137,14 +136,6 @@ static void offer_metrics(completion *c)
     }
 }
 
-static void offer_solvers(completion *c)
-{
-    offer(c, "all", "", "");
-    for (int i = 0; i < pe_solver_count(); ++i) {
-        offer(c, pe_solver(i).name, "", pe_solver(i).description);
-    }
-}
-
 static void offer_checks(completion *c)
 {
     for (int i = 0; i < pl_conformance_count(); ++i) {
@@ -224,14 +215,12 @@ static void offer_folders(completion *c)
 static const struct {
     const char *word;
     void (*offer)(completion *c);
-} MEANINGS[] = {{"CHECK", offer_checks},       {"COMMAND", offer_commands},
-                {"DIR", offer_folders},        {"ENGINE", offer_specs},
-                {"EXPR", offer_metrics},       {"FILE", offer_all_files},
-                {"METRIC", offer_metrics},     {"NAME=VALUE", offer_parameters},
-                {"NAMES", offer_engine_names}, {"RESULTS", offer_all_files},
-                {"SCENARIO", offer_scenarios}, {"SETTINGS", offer_parameters},
-                {"SOLVER", offer_solvers},     {"SPEC", offer_specs},
-                {"SUITE", offer_suites}};
+} MEANINGS[] = {
+    {"CHECK", offer_checks},      {"COMMAND", offer_commands},      {"DIR", offer_folders},
+    {"ENGINE", offer_specs},      {"EXPR", offer_metrics},          {"FILE", offer_all_files},
+    {"METRIC", offer_metrics},    {"NAME=VALUE", offer_parameters}, {"NAMES", offer_engine_names},
+    {"RESULTS", offer_all_files}, {"SCENARIO", offer_scenarios},    {"SETTINGS", offer_parameters},
+    {"SPEC", offer_specs},        {"SUITE", offer_suites}};
 
 /* Offers what a part of a usage line stands for, such as "SCENARIO|SCENE.json...": a word that begins
  * with a small letter stands for itself. */

@@ -482,5 +482,4 @@ const pl_check pl_conduct_checks[] = {
     {"destroy-null", "destroy takes NULL", 0, 0, check_destroy_null},
     {"refusal", "a create that fails makes no instance and says why", 0, 0, check_refusal},
     {"statistics", "statistics are not negative", 0, 0, check_statistics},
-};
-const int pl_conduct_check_count = sizeof pl_conduct_checks / sizeof *pl_conduct_checks;
+    {0}};

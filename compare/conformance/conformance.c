@@ -10,21 +10,16 @@
 /* The check of that index among all files' checks; NULL beyond the last. */
 static const pl_check *check_at(int index)
 {
-    const struct {
-        const pl_check *checks;
-        int count;
-    } files[] = {
-        {pl_state_checks, pl_state_check_count},       {pl_place_checks, pl_place_check_count},
-        {pl_motion_checks, pl_motion_check_count},     {pl_mass_checks, pl_mass_check_count},
-        {pl_claim_checks, pl_claim_check_count},       {pl_shape_checks, pl_shape_check_count},
-        {pl_material_checks, pl_material_check_count}, {pl_contact_checks, pl_contact_check_count},
-        {pl_impulse_checks, pl_impulse_check_count},   {pl_conduct_checks, pl_conduct_check_count},
-    };
+    static const pl_check *const files[] = {
+        pl_state_checks,   pl_place_checks,  pl_motion_checks,   pl_mass_checks,
+        pl_claim_checks,   pl_shape_checks,  pl_material_checks, pl_contact_checks,
+        pl_impulse_checks, pl_conduct_checks};
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
-        if (index < files[i].count) {
-            return &files[i].checks[index];
+        for (const pl_check *check = files[i]; check->name != NULL; ++check, --index) {
+            if (index == 0) {
+                return check;
+            }
         }
-        index -= files[i].count;
     }
     return NULL;
 }

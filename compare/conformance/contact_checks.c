@@ -438,5 +438,4 @@ const pl_check pl_contact_checks[] = {
      check_before_step},
     {"contact-count", "read_contacts keeps to its capacity", SMOOTH, PL_CONTACTS_POINTS,
      check_count},
-};
-const int pl_contact_check_count = sizeof pl_contact_checks / sizeof *pl_contact_checks;
+    {0}};

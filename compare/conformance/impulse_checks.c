@@ -425,5 +425,4 @@ const pl_check pl_impulse_checks[] = {
      PL_NEEDS_BOX | PL_NEEDS_ROTATION | PL_NEEDS_RESTITUTION, REPORTED, check_impulse_box_bounce},
     {"impulse-pair", "the impulses of a collision are those of both motions", PL_NEEDS_SPHERE,
      REPORTED, check_impulse_pair},
-};
-const int pl_impulse_check_count = sizeof pl_impulse_checks / sizeof *pl_impulse_checks;
+    {0}};

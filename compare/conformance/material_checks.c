@@ -486,5 +486,4 @@ const pl_check pl_material_checks[] = {
     {"restitution-threshold", "slow impacts bounce too", SMOOTH | PL_NEEDS_RESTITUTION, 0,
      check_restitution_threshold},
     {"read-pair", "a pair's coefficients read back", SMOOTH, 0, check_read_pair},
-};
-const int pl_material_check_count = sizeof pl_material_checks / sizeof *pl_material_checks;
+    {0}};

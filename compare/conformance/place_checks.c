@@ -118,5 +118,4 @@ const pl_check pl_place_checks[] = {
      check_standing_capsule},
     {"sleeping", "slow bodies go on moving", 0, 0, check_sleeping},
     {"frame-of-step", "frames are of the state after the step", 0, 0, check_frame_of_step},
-};
-const int pl_place_check_count = sizeof pl_place_checks / sizeof *pl_place_checks;
+    {0}};

@@ -209,6 +209,13 @@ void pl_probe_steps(pl_probe *probe, int count)
     }
 }
 
+bool pl_probe_run(pl_probe *probe, int steps)
+{
+    pl_probe_create(probe);
+    pl_probe_steps(probe, steps);
+    return !probe->over;
+}
+
 int pl_probe_substeps(pl_probe *probe)
 {
     double mass[PL_PROBE_MOST_BODIES], inertia[PL_PROBE_MOST_BODIES][3];

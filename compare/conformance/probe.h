@@ -45,27 +45,10 @@ typedef struct pl_check {
     void (*run)(pl_probe *probe);
 } pl_check;
 
-/* The checks of each file, (count). */
-extern const pl_check pl_state_checks[];
-extern const int pl_state_check_count;
-extern const pl_check pl_place_checks[];
-extern const int pl_place_check_count;
-extern const pl_check pl_motion_checks[];
-extern const int pl_motion_check_count;
-extern const pl_check pl_mass_checks[];
-extern const int pl_mass_check_count;
-extern const pl_check pl_claim_checks[];
-extern const int pl_claim_check_count;
-extern const pl_check pl_shape_checks[];
-extern const int pl_shape_check_count;
-extern const pl_check pl_material_checks[];
-extern const int pl_material_check_count;
-extern const pl_check pl_contact_checks[];
-extern const int pl_contact_check_count;
-extern const pl_check pl_impulse_checks[];
-extern const int pl_impulse_check_count;
-extern const pl_check pl_conduct_checks[];
-extern const int pl_conduct_check_count;
+/* The checks of each file; one without a name ends them. */
+extern const pl_check pl_state_checks[], pl_place_checks[], pl_motion_checks[], pl_mass_checks[],
+    pl_claim_checks[], pl_shape_checks[], pl_material_checks[], pl_contact_checks[],
+    pl_impulse_checks[], pl_conduct_checks[];
 
 /* ---- Scenes ---- */
 
@@ -92,6 +75,9 @@ void pl_probe_create(pl_probe *probe);
 
 /* Makes steps, each with reading the frame and the contacts. */
 void pl_probe_steps(pl_probe *probe, int count);
+
+/* Creates the scene and makes steps. False if the check is over. */
+bool pl_probe_run(pl_probe *probe, int steps);
 
 /* The sub-steps of a step of the instance, as the engine reads them back or declares them. */
 int pl_probe_substeps(pl_probe *probe);

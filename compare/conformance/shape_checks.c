@@ -122,5 +122,4 @@ const pl_check pl_shape_checks[] = {
      check_capsule},
     {"cylinder-size", "a cylinder has its length and radius", TURNING | PL_NEEDS_CYLINDER, 0,
      check_cylinder},
-};
-const int pl_shape_check_count = sizeof pl_shape_checks / sizeof *pl_shape_checks;
+    {0}};

@@ -275,5 +275,4 @@ const pl_check pl_state_checks[] = {
      PL_NEEDS_HULL | PL_NEEDS_ROTATION, 0, check_hull_centre},
     {"mesh-centre", "a mesh has its own frame, and turns about its centre of mass",
      PL_NEEDS_MESH | PL_NEEDS_ROTATION, 0, check_mesh_centre},
-};
-const int pl_state_check_count = sizeof pl_state_checks / sizeof *pl_state_checks;
+    {0}};

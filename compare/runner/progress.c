@@ -1,6 +1,7 @@
 #include "progress.h"
 
 #include "base/text_buffer.h"
+#include "base/text_width.h"
 #include "results/run_verdict.h"
 
 #include <stdlib.h>
@@ -59,9 +60,9 @@ void pl_progress_draw(const pl_progress *progress, const char *running, double p
     char line[512];
     snprintf(line, sizeof line, "%ld/%ld [%s] %s left  %s", progress->done, progress->total, bar,
              left, running);
-    int most = progress->width - 1;
     pl_make_plain(line);
-    fprintf(progress->out, "\r%.*s\033[K", most < 0 ? 0 : most, line);
+    const size_t length_shown = pl_text_fitting(line, progress->width - 1);
+    fprintf(progress->out, "\r%.*s\033[K", (int)length_shown, line);
     fflush(progress->out);
 }
 

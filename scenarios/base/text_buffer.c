@@ -242,17 +242,7 @@ size_t pl_code_point_length(const char *c)
     return length;
 }
 
-int pl_text_width(const char *text)
-{
-    int count = 0;
-    for (; *text != '\0'; text += pl_code_point_length(text)) {
-        ++count;
-    }
-    return count;
-}
-
-/* What stands for the code point of `bytes` bytes at `c`: '?' or a space; 0: itself. */
-static char stand_in(const char *c, size_t bytes)
+char pl_stand_in(const char *c, size_t bytes)
 {
     const long point = decode(c, bytes);
     if (point == '\n' || point == '\t') {
@@ -265,15 +255,13 @@ static char stand_in(const char *c, size_t bytes)
     return is_control || is_mark ? '?' : 0;
 }
 
-int pl_text_add_plain(pl_text_buffer *out, const char *text, size_t length)
+void pl_text_add_plain(pl_text_buffer *out, const char *text, size_t length)
 {
-    int count = 0;
-    for (size_t at = 0, bytes = 0; at < length; at += bytes, ++count) {
+    for (size_t at = 0, bytes = 0; at < length; at += bytes) {
         bytes = pl_code_point_length(text + at);
-        const char other = stand_in(text + at, bytes);
+        const char other = pl_stand_in(text + at, bytes);
         add(out, other != 0 ? &other : text + at, other != 0 ? 1 : bytes);
     }
-    return count;
 }
 
 char *pl_make_plain(char *text)
@@ -281,7 +269,7 @@ char *pl_make_plain(char *text)
     char *to = text;
     for (const char *from = text; *from != '\0';) {
         const size_t bytes = pl_code_point_length(from);
-        const char other = stand_in(from, bytes);
+        const char other = pl_stand_in(from, bytes);
         if (other != 0) {
             *to++ = other;
         } else {

@@ -65,19 +65,20 @@ void pl_text_add_number(pl_text_buffer *out, double value);
 /* Adds a JSON array of numbers. */
 void pl_text_add_numbers(pl_text_buffer *out, const double *values, int count);
 
-/* ---- Text from elsewhere, shown on a terminal ----
- * A code point that could steer the terminal or deceive the eye becomes '?': control characters (C0,
- * DEL, C1), marks that change the direction of writing, separators of lines and paragraphs, and
- * bytes that are no UTF-8. Newline and tab become a space. So the width stays the same. */
+/* ---- Text from elsewhere, shown on a terminal ---- A code point that could steer the terminal or
+ * deceive the eye becomes '?': control characters (C0, DEL, C1), marks that change the direction of
+ * writing, separators of lines and paragraphs, and bytes that are no UTF-8. Newline and tab become
+ * a space. */
 
-/* Adds the first `length` bytes of such a text. Returns the number of code points added. */
-int pl_text_add_plain(pl_text_buffer *out, const char *text, size_t length);
+/* Adds the first `length` bytes of such a text. */
+void pl_text_add_plain(pl_text_buffer *out, const char *text, size_t length);
 
 /* The same in place, of a text that ends with a zero. Returns `text`. */
 char *pl_make_plain(char *text);
 
-/* The width of UTF-8 text on a terminal, in code points. */
-int pl_text_width(const char *text);
+/* The character that is shown for the code point of `bytes` bytes at `c`, '?' or a space; 0 for one
+ * that is shown itself. */
+char pl_stand_in(const char *c, size_t bytes);
 
 /* Bytes of the code point that starts at `c`, which is not the terminating zero. */
 size_t pl_code_point_length(const char *c);

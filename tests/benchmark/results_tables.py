@@ -7,7 +7,6 @@ TABLE is canonical, paper, blocks, shapes, analytic, hard, chaotic, heaps, heap_
 metamorphic, sweep or solvers; without one, all. DIRECTORY keeps the results (default: results_tables); sweeps and a
 benchmark of solvers that are there are not repeated."""
 import argparse
-import csv
 import json
 import pathlib
 import shlex
@@ -362,14 +361,18 @@ def metamorphic(program):
 def solvers(program):
     """Problems solved from a cold start, of those that stand or slide and of collapses and piles, and times."""
     out = program.directory / "solvers"
-    if not (out / "solver-benchmark.csv").exists():
-        program.call("solve", "--benchmark", "--out", str(out))
-    rows = list(csv.DictReader((out / "solver-benchmark.csv").open(encoding="utf-8")))
-    rows = [row for row in rows if row["start"] == "cold"]
-    levels = sorted({float(row["tolerance"]) for row in rows}, reverse=True)
+    if not (out / "levels.jsonl").exists():
+        captures = pathlib.Path(__file__).parent / "contact_problems.sh"
+        subprocess.run([captures, program.path, out], check=True)
+        benchmark = pathlib.Path(program.path).parent / "solve_benchmark"
+        subprocess.run([benchmark, "--json", out / "levels.part", *sorted(out.glob("*.json"))], check=True,
+                       stdout=subprocess.DEVNULL)
+        (out / "levels.part").rename(out / "levels.jsonl")
+    rows = [json.loads(line) for line in (out / "levels.jsonl").open(encoding="utf-8")]
+    rows = [{**row, "problem": pathlib.Path(row["problem"]).stem} for row in rows if row["start"] == "cold"]
+    levels = sorted({row["tolerance"] for row in rows}, reverse=True)
     names = list(dict.fromkeys(row["solver"] for row in rows))
-    seconds = {(row["solver"], float(row["tolerance"]), row["problem"]): float(row["seconds"])
-               for row in rows if row["reached"] == "1"}
+    seconds = {(row["solver"], row["tolerance"], row["problem"]): row["seconds"] for row in rows if row["reached"]}
     problems = list(dict.fromkeys(row["problem"] for row in rows))
     moving = {name for name in problems if name.startswith(("collapse", "pile"))}
     counts, means = [], []

@@ -11,7 +11,7 @@ const wide = { width: 1400, height: 900 }, phone = { width: 390, height: 844 };
 const results = readFileSync('canonical/results.jsonl', 'utf8').trim().split('\n').map((line) => JSON.parse(line));
 const pages = ['canonical/index.html', 'frozen/index.html', 'many-page/index.html', 'hostile-page/index.html',
   'damaged-page/index.html', 'still/index.html',
-  ...['sweep', 'threshold', 'ensemble', 'metamorphic', 'solver_benchmark', 'catalogue'].map((name) => `studies/${name}.html`)];
+  ...['sweep', 'threshold', 'ensemble', 'metamorphic', 'catalogue'].map((name) => `studies/${name}.html`)];
 let browser;
 
 before(async () => {

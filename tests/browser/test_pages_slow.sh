@@ -29,12 +29,6 @@ quietly report threshold.json --out studies
 quietly report metamorphic.json --out studies
 quietly list scenarios --page studies/catalogue.html
 cp sweep/sweep.html ensemble/ensemble.html studies
-cat >studies/solver_benchmark.json <<'END'
-{"schema": "plumb.solver_benchmark/1", "problems": [{"name": "tower", "scenario": "tower", "step": 3,
- "bodies": 10, "points": 40, "cells": [{"solver": "newton", "start": "cold", "levels": [{"tolerance": 1e-8,
- "reached": true, "stop": "converged", "iterations": 4, "seconds": 0.001, "residual_max": 1e-9}]}]}]}
-END
-quietly report studies/solver_benchmark.json --out studies
 
 # Results with names that no page may take for markup, and two thousand runs.
 python3 - <<'END'

@@ -48,9 +48,11 @@ static void test_comparison_commands_share_their_options(void **state)
 
 static void test_an_option_that_a_command_lacks_is_refused(void **state)
 {
-    static const char *const lacking[][2] = {
-        {"metamorphic", "--jobs"}, {"metamorphic", "--trajectory"}, {"solve", "--jobs"},
-        {"run", "--resume"},       {"ensemble", "--repeat"},        {"compare", "--members"}};
+    static const char *const lacking[][2] = {{"metamorphic", "--jobs"},
+                                             {"metamorphic", "--trajectory"},
+                                             {"run", "--resume"},
+                                             {"ensemble", "--repeat"},
+                                             {"compare", "--members"}};
     for (size_t i = 0; i < sizeof lacking / sizeof lacking[0]; ++i) {
         char said[64];
         snprintf(said, sizeof said, "plumb %s: there is no option %s", lacking[i][0],

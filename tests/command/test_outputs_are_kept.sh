@@ -44,15 +44,12 @@ refused e/results.jsonl ensemble falling-cubes "${short[@]}" --members 6 --out e
 refused e.json ensemble falling-cubes "${short[@]}" --members 6 --out e2 --json e.json
 refused t.json threshold slope-threshold --engine plumb --json t.json
 refused m.json metamorphic free-fall "${short[@]:2}" --check again --json m.json
-refused solve.json solve problem.json --solver newton --json solve.json
 refused c.json check-engine plumb --check gravity --json c.json
 refused gate.xml gate a --fail-if 'free-fall: outcome!=ok' --format junit --out gate.xml
 refused list.html list scenarios --page list.html
-if ! "$PLUMB" tune 2>&1 | grep -q 'lacks NLopt'; then
-    tune=(tune free-fall --duration 0.1 --engine plumb:fast --target 'value_error<=10' --budget 2 --fix dt=1/60)
-    refused tuned/plumb.profile.json "${tune[@]}" --out tuned
-    refused tuned.json "${tune[@]}" --out tuned2 --json tuned.json
-fi
+tune=(tune free-fall --duration 0.1 --engine plumb:fast --target 'value_error<=10' --budget 2 --fix dt=1/60)
+refused tuned/plumb.profile.json "${tune[@]}" --out tuned
+refused tuned.json "${tune[@]}" --out tuned2 --json tuned.json
 
 # A report replaces that of the same results; those that it would not have are kept.
 expect 0 'the report are in c/' report a --out c

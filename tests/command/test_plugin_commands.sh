@@ -55,19 +55,15 @@ expect 0 ok run free-fall --duration 0.1 --engine ./single.so,iterations=4 --jso
 python3 -c 'import json; assert json.load(open("steps.json"))["substeps"] == 4' || note_failure "substeps: $(cat steps.json)"
 
 # ---- tune: the engine's own API only where it says how; what is suggested loads
-if "$PLUMB" tune free-fall --engine ./mine.so --target 'value_error<=1' --budget 1 2>&1 | grep -q 'lacks NLopt'; then
-    echo "NLopt is absent: plumb tune is left out"
-else
-    fall=(free-fall --duration 1 --target 'value_error<=0.004' --budget 12)
-    expect 0 'small_set_iterations\([0-9]+\);' tune "${fall[@]}" --engine ./code.so --fix dt=1/60 --out with_code
-    expect 0 'the cheapest found' tune "${fall[@]}" --engine ./mine.so --fix dt=1/60 --out saved
-    if grep -q 'own API' out; then
-        note_failure "an engine that does not tell its API: $(cat out)"
-    fi
-    read -ra suggested <<<"$(sed -n 's/^plumb tune: .*: \(--engine .*\)$/\1/p' err)"
-    expect 0 'small:one,iterations=([2-9]|[1-9][0-9]+):' run free-fall --duration 0.1 "${suggested[@]}"
-    expect 3 'load-exit0.so: it called exit\(0\) while it was loaded' tune "${fall[@]}" --engine ./load-exit0.so
+fall=(free-fall --duration 1 --target 'value_error<=0.004' --budget 12)
+expect 0 'small_set_iterations\([0-9]+\);' tune "${fall[@]}" --engine ./code.so --fix dt=1/60 --out with_code
+expect 0 'the cheapest found' tune "${fall[@]}" --engine ./mine.so --fix dt=1/60 --out saved
+if grep -q 'own API' out; then
+    note_failure "an engine that does not tell its API: $(cat out)"
 fi
+read -ra suggested <<<"$(sed -n 's/^plumb tune: .*: \(--engine .*\)$/\1/p' err)"
+expect 0 'small:one,iterations=([2-9]|[1-9][0-9]+):' run free-fall --duration 0.1 "${suggested[@]}"
+expect 3 'load-exit0.so: it called exit\(0\) while it was loaded' tune "${fall[@]}" --engine ./load-exit0.so
 
 # ---- The others go on where one engine cannot be loaded
 both=(--engine ./load-exit0.so --engine ./mine.so --duration 0.1)

@@ -64,12 +64,8 @@ breaks_off() {
 breaks_off threshold 20 60 threshold/threshold.json threshold slope-threshold --engine plumb
 breaks_off metamorphic 6 7 m.json metamorphic tower --set n=2 --duration 0.1 --engine plumb:fast --check rotate \
     --check mirror --check scale --check again --check restart --check order --check shift --json m.json
-"$PLUMB" run tower --set n=3 --duration 0.1 --engine plumb --capture 4:problem.json >/dev/null
-breaks_off solve 2 5 s.json solve ../problem.json --solver all --max-iterations 20 --json s.json
 breaks_off iterations 12 40 i.json compare tower --set n=3 --duration 0.2 --engine plumb:fast \
     --iterations-to-tolerance --no-recordings --out iterations --json i.json
-if ! "$PLUMB" tune 2>&1 | grep -q 'lacks NLopt'; then
-    breaks_off tune 40 80 - tune free-fall --duration 0.1 --engine plumb:fast --target 'value_error<=10' \
-        --budget 4 --fix dt=1/60
-fi
+breaks_off tune 40 80 - tune free-fall --duration 0.1 --engine plumb:fast --target 'value_error<=10' \
+    --budget 4 --fix dt=1/60
 exit $failed

@@ -49,18 +49,13 @@ grep -q '^engine\|^Engine' out || note_failure "ensemble: no table of engines: $
 grep -qE '^(#|\|)' out && note_failure "ensemble: Markdown on a terminal: $(cat out)"
 grep -q '^| Engine' made/summary.md || note_failure "ensemble: no Markdown in summary.md: $(cat made/summary.md)"
 widths metamorphic 0 metamorphic free-fall --duration 0.1 "${engines[@]}"
-"$PLUMB" run tower --engine plumb --duration 0.2 --capture 4:tower.json >/dev/null
-widths solve 0 solve tower.json --solver gauss_seidel
-widths 'solve all' 0 solve tower.json --solver all
 "$PLUMB" compare tower --out results "${short[@]}" >/dev/null 2>&1
 widths gate 1 gate results --fail-if 'tower: penetration_max>=0' --fail-if 'tower: time_per_step>1e9'
 widths 'check-engine --list' 0 check-engine --list
 widths check-engine 0 check-engine ode:quick
-for name in compare run threshold list scene solve ensemble sweep tune report metamorphic gate check-engine new-engine; do
+for name in compare run threshold list scene ensemble sweep tune report metamorphic gate check-engine new-engine; do
     widths "help $name" 0 help "$name"
 done
 widths help 0 help
-if ldconfig -p | grep -q libnlopt; then
-    widths tune 0 tune free-fall --engine ode:quick --target 'reference_error<=1' --budget 2 --duration 0.1 --out made
-fi
+widths tune 0 tune free-fall --engine ode:quick --target 'reference_error<=1' --budget 2 --duration 0.1 --out made
 exit $failed

@@ -7,12 +7,6 @@ source "$SOURCE/tests/support/command.sh"
 further=(--force)
 
 target='reference_error<=1e-3'
-if "$PLUMB" tune blocks --engine plumb --target "$target" --budget 1 --duration 0.1 2>&1 |
-    grep -q 'lacks NLopt'; then
-    echo "NLopt is absent: plumb tune is left out"
-    exit 77
-fi
-
 expect 2 'which scenario' --engine plumb --target "$target"
 expect 2 'one engine is tuned at a time' tower --target "$target"
 expect 2 'one engine is tuned at a time' tower --engine plumb --engine plumb:fast --target "$target"

@@ -86,14 +86,6 @@ static pl_search_result search(made_up *m, int budget, uint64_t seed)
     return found;
 }
 
-/* Without its middle stage the search is not held to how near it comes. */
-static void need_nlopt(void)
-{
-    if (!pl_search_has_nlopt()) {
-        skip();
-    }
-}
-
 static double valley_cost(const double *v)
 {
     return v[0] * (1 + v[1]);
@@ -122,7 +114,6 @@ static double least_cost(void)
 static void test_search_finds_integer_and_continuous_optimum(void **state)
 {
     (void)state;
-    need_nlopt();
     const double least = least_cost();
     for (uint64_t seed = 0; seed < 10; ++seed) {
         made_up m = make(valley_cost, valley_excess, 2);
@@ -139,7 +130,6 @@ static void test_search_finds_integer_and_continuous_optimum(void **state)
 static void test_cost_noise_bounds_the_loss_of_search(void **state)
 {
     (void)state;
-    need_nlopt();
     const double least = least_cost();
     for (uint64_t seed = 0; seed < 10; ++seed) {
         made_up m = make(valley_cost, valley_excess, 2);
@@ -170,7 +160,6 @@ static double iterations_cost(const double *v)
 static void test_default_values_that_are_right_are_kept(void **state)
 {
     (void)state;
-    need_nlopt();
     for (uint64_t seed = 0; seed < 10; ++seed) {
         made_up m = make(iterations_cost, default_excess, 5);
         pl_search_result found = search(&m, BUDGET, seed);
@@ -188,7 +177,6 @@ static double bowl_excess(const double *v)
 static void test_unmet_target_reports_the_nearest_point(void **state)
 {
     (void)state;
-    need_nlopt();
     made_up m = make(valley_cost, bowl_excess, 2);
     pl_search_result found = search(&m, BUDGET, 3);
     assert_false(found.met);

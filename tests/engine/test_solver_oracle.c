@@ -17,8 +17,9 @@ int main(void)
 #else
 
 #include "contact_problem_for_tests.h"
+#include "plumb_process.h"
+#include "problem_file.h"
 #include "siconos_answer.h"
-#include "studies/solve/benchmark.h"
 
 #include <Friction_cst.h>
 #include <math.h>
@@ -125,19 +126,26 @@ static void check_by_sweeps(const char *name, pe_contact_problem *problem)
     }
 }
 
-static pe_contact_problem *capture(const pl_benchmark_problem *row)
+/* The problem of the largest island in this step, from 1. The scenario's name can be followed by
+ * options of plumb run. */
+static pe_contact_problem *capture(const char *scenario, int step)
 {
-    pe_contact_problem *problem = NULL;
-    pl_error error;
-    if (pl_benchmark_capture(row, &problem, &error) != PL_OK) {
-        fail_msg("%s", error.message);
+    workspace w = make_workspace();
+    char words[256], message[PROBLEM_MESSAGE_SIZE];
+    snprintf(words, sizeof words, "run %s --engine plumb:accurate --capture %d:#", scenario, step);
+    plumb_output output = wait_plumb(w.directory, start_plumb_words(&w, words));
+    pe_contact_problem *problem = problem_read_file(w.out, message);
+    if (problem == NULL) {
+        fail_msg("%s: %s; %s", scenario, message, output.err);
     }
+    free_output(&output);
+    remove_workspace(&w);
     return problem;
 }
 
-static void check_captured(const pl_benchmark_problem *row)
+static void check_captured(const char *scenario, int step)
 {
-    check_by_sweeps(row->name, capture(row));
+    check_by_sweeps(scenario, capture(scenario, step));
 }
 
 /* On three points: on four, slipping in different directions, how they share the load is open, and
@@ -178,26 +186,26 @@ static void test_struck_tower_agrees_with_siconos(void **state)
 static void test_standing_tower_agrees_with_siconos(void **state)
 {
     (void)state;
-    check_captured(&(pl_benchmark_problem){"tower 5", "tower", {"n=5"}, .step = 1});
+    check_captured("tower --set n=5", 1);
 }
 
 static void test_slopes_agree_with_siconos(void **state)
 {
     (void)state;
-    check_captured(&(pl_benchmark_problem){"stick", "slope-stick", {NULL}, .step = 10});
-    check_captured(&(pl_benchmark_problem){"slide", "slope-slide", {NULL}, .step = 10});
+    check_captured("slope-stick", 10);
+    check_captured("slope-slide", 10);
 }
 
 static void test_mass_ratio_of_a_hundred_agrees_with_siconos(void **state)
 {
     (void)state;
-    check_captured(&(pl_benchmark_problem){"mass ratio", "mass-ratio", {"k=2"}, .step = 1});
+    check_captured("mass-ratio --set k=2", 1);
 }
 
 static void test_small_wall_agrees_with_siconos(void **state)
 {
     (void)state;
-    check_captured(&(pl_benchmark_problem){"wall", "wall", {"rows=3", "columns=3"}, .step = 1});
+    check_captured("wall --set rows=3 --set columns=3", 1);
 }
 
 /* How many of several small piles in mid-fall could be compared. A loose pile is for sweeps with
@@ -206,9 +214,9 @@ static int count_piles(const char *shape, int siconos)
 {
     int compared = 0;
     for (int seed = 1; seed <= 6; ++seed) {
-        const pl_benchmark_problem row = {"pile",         "pile", {"n=5", shape},
-                                          (uint64_t)seed, 50,     false};
-        compared += agrees(row.name, capture(&row), siconos, "momentum", MAYBE_SEVERAL);
+        char scenario[64];
+        snprintf(scenario, sizeof scenario, "pile --set n=5 --set shape=%s --seed %d", shape, seed);
+        compared += agrees("pile", capture(scenario, 50), siconos, "momentum", MAYBE_SEVERAL);
     }
     return compared;
 }
@@ -216,14 +224,14 @@ static int count_piles(const char *shape, int siconos)
 static void test_small_piles_agree_with_siconos(void **state)
 {
     (void)state;
-    assert_true(count_piles("shape=2", SICONOS_FRICTION_3D_NSGS) >= 3);
+    assert_true(count_piles("2", SICONOS_FRICTION_3D_NSGS) >= 3);
 }
 
 /* Newton on Alart and Curnier's function factorises W, so that no contact may be redundant. */
 static void test_piles_of_spheres_agree_with_siconos_by_newton(void **state)
 {
     (void)state;
-    assert_true(count_piles("shape=0", SICONOS_FRICTION_3D_NSN_AC) >= 3);
+    assert_true(count_piles("0", SICONOS_FRICTION_3D_NSN_AC) >= 3);
 }
 
 int main(void)

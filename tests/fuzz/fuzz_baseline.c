@@ -1,11 +1,13 @@
-/* Reads any bytes as a baseline of the gate, as a profile that was tuned, and as a contact problem. Each
- * reader accepts them, or refuses them with the place of the fault: the line and column, and of a
- * profile at least the file. What is accepted, written and read again is the same. */
+/* Reads any bytes as a baseline of the gate, as a profile that was tuned, and as a contact problem.
+ * Each reader accepts them, or refuses them with the place of the fault: the line and column of a
+ * baseline, at least the file of the others. What is accepted, written and read again is the
+ * same. */
 #define _GNU_SOURCE
 
+#include "command/capture_file.h"
 #include "engines/tuned_profile.h"
 #include "fuzz_rows.h"
-#include "studies/solve/problem_file.h"
+#include "problem_file.h"
 
 /* An engine with two options, for profiles. */
 static const pl_engine_option options[] = {
@@ -31,25 +33,19 @@ static void read_profile(const char *path)
 
 static void read_problem(const uint8_t *data, size_t size)
 {
-    pl_error error = {.message = ""};
-    pe_contact_problem *problem = NULL, *again = NULL;
-    json_t *source = NULL, *source_again = NULL;
-    if (pl_problem_read_text((const char *)data, size, "input", &problem, &source, &error) !=
-        PL_OK) {
-        fuzz_check(fuzz_has_place(error.message, "input"), "a refusal has a line and a column");
+    char message[PROBLEM_MESSAGE_SIZE] = "";
+    pe_contact_problem *problem = problem_read_text((const char *)data, size, "input", message);
+    if (problem == NULL) {
+        fuzz_check(strncmp(message, "input:", 6) == 0, "a refusal has the file");
         return;
     }
-    char *text = pl_problem_to_text(problem, source);
-    fuzz_check(text != NULL, "an accepted problem can be written");
-    fuzz_check(pl_problem_read_text(text, strlen(text), "again", &again, &source_again, &error) ==
-                   PL_OK,
-               "a written problem can be read");
-    char *second = pl_problem_to_text(again, source_again);
-    fuzz_check(second != NULL && strcmp(text, second) == 0, "the second text equals the first");
+    char *text = pl_capture_text(problem, NULL);
+    pe_contact_problem *again = problem_read_text(text, strlen(text), "again", message);
+    fuzz_check(again != NULL, "a written problem can be read");
+    char *second = pl_capture_text(again, NULL);
+    fuzz_check(strcmp(text, second) == 0, "the second text equals the first");
     free(text);
     free(second);
-    json_decref(source);
-    json_decref(source_again);
     pe_contact_problem_destroy(problem);
     pe_contact_problem_destroy(again);
 }

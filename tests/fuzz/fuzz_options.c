@@ -29,10 +29,11 @@
 enum { MOST_WORDS = 64, OPTIONS_SIZE = 1 << 16 };
 
 static const pl_command *const commands[] = {
-    &pl_command_compare,      &pl_command_run,        &pl_command_threshold,   &pl_command_list,
-    &pl_command_scene,        &pl_command_solve,      &pl_command_ensemble,    &pl_command_sweep,
-    &pl_command_tune,         &pl_command_report,     &pl_command_metamorphic, &pl_command_gate,
-    &pl_command_check_engine, &pl_command_new_engine, &pl_command_view,        &pl_command_doctor};
+    &pl_command_compare,     &pl_command_run,   &pl_command_threshold,
+    &pl_command_list,        &pl_command_scene, &pl_command_ensemble,
+    &pl_command_sweep,       &pl_command_tune,  &pl_command_report,
+    &pl_command_metamorphic, &pl_command_gate,  &pl_command_check_engine,
+    &pl_command_new_engine,  &pl_command_view,  &pl_command_doctor};
 
 static jmp_buf back;
 static int exit_code;

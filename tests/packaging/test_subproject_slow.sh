@@ -31,7 +31,7 @@ fi
 
 # The modules that pkg-config finds here are those without which there is no Plumb.
 mkdir modules outer
-for module in jansson qhull_r ccd zlib; do
+for module in jansson qhull_r ccd zlib nlopt libutf8proc; do
     cp "$(pkg-config --variable=pcfiledir "$module")/$module.pc" modules
 done
 cat >outer/CMakeLists.txt <<END_CMAKE

@@ -1,6 +1,7 @@
 /* Text that is folded to a window. */
 #include "base/diagnostic.h"
 #include "base/folding.h"
+#include "base/text_width.h"
 #include "check.h"
 
 #include <fcntl.h>
@@ -129,6 +130,28 @@ static void test_control_characters_do_not_reach_the_terminal(void **state)
                  "\303\244 \342\202\254 \360\237\230\200 \302\240");
 }
 
+/* Columns as of East Asian Width (Unicode Standard Annex 11), by hand. */
+static void test_widths_are_columns_of_a_terminal(void **state)
+{
+    (void)state;
+    assert_int_equal(pl_text_width("wall"), 4);
+    assert_int_equal(pl_text_width("中文"), 4);
+    assert_int_equal(pl_text_width("e\u0301t"), 2); /* a combining accent */
+    assert_int_equal(pl_text_width("😀"), 2);
+    assert_int_equal(pl_text_width("\xff\xe4"), 2); /* no UTF-8: two '?' */
+    assert_int_equal((int)pl_text_fitting("a中文", 4), 4);
+    assert_int_equal((int)pl_text_fitting("e\u0301t", 1), 3);
+}
+
+static void test_no_line_breaks_a_character(void **state)
+{
+    (void)state;
+    check_folded("中文中文", 5, "中文\n中文");
+    check_folded("aae\u0301e\u0301e\u0301", 3, "aae\u0301\ne\u0301e\u0301");
+    check_folded("中文", 1, "中\n文"); /* one fits no line, and is not lost */
+    check_folded("name  中文 is two words\n", 16, "name  中文 is\n      two words\n");
+}
+
 /* A terminal of `columns`, or a file where it is less than 0. */
 static int width_on(int columns, const char *environment)
 {
@@ -176,6 +199,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_folded_lines_fit_and_lose_nothing),
+        cmocka_unit_test(test_widths_are_columns_of_a_terminal),
+        cmocka_unit_test(test_no_line_breaks_a_character),
         cmocka_unit_test(test_words_stay_whole_where_they_fit),
         cmocka_unit_test(test_further_lines_stand_below_their_column),
         cmocka_unit_test(test_control_characters_do_not_reach_the_terminal),

@@ -73,6 +73,24 @@ static void test_every_word_is_there_at_any_width(void **state)
     }
 }
 
+static void test_columns_of_any_script_align(void **state)
+{
+    (void)state;
+    pl_table table = {0};
+    pl_table_columns(&table, "scene|>error|verdict");
+    static const char *const cells[] = {"tower",          "1", "ok",      "方块塔", "0.5", "中",
+                                        "e\u0301t\u0301", "2", "a\u0301", "😀",      "12",  "ok"};
+    for (size_t i = 0; i < sizeof cells / sizeof cells[0]; ++i) {
+        pl_table_add(&table, cells[i]);
+    }
+    check_text(&table, "scene   error  verdict\n"
+                       "tower       1  ok\n"
+                       "方块塔    0.5  中\n"
+                       "e\u0301t\u0301          2  a\u0301\n"
+                       "😀         12  ok\n");
+    pl_table_free(&table);
+}
+
 static void fill(pl_table *table)
 {
     pl_table_columns(table, "engine|>CPU time, s|verdict");
@@ -181,6 +199,7 @@ static void test_wide_keys_are_folded(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_columns_of_any_script_align),
         cmocka_unit_test(test_every_word_is_there_at_any_width),
         cmocka_unit_test(test_table_that_fits_is_not_folded),
         cmocka_unit_test(test_headings_and_texts_are_folded_first),

@@ -47,7 +47,7 @@ NOT_RUN = (
     (r"^plumb check-engine jolt", "test_web_engines_slow checks the engines from npm"),
     (r"^cmake --workflow", "this builds once more"),
     (r"^tests/(analysis|mutation|fuzz)/", "this builds once more, and takes minutes"),
-    (r"^plumb solve --benchmark", "this takes ten minutes"),
+    (r"(contact_problems.sh|solve_benchmark .*/\*.json)", "this takes minutes; test_solve_benchmark runs two problems"),
     (r"^tests/benchmark/cost_by_size", "this takes a quarter of an hour"),
     (r"^plumb (threshold|sweep) .*--cpu-limit 20 --timeout 90", "this takes minutes; compare/state runs it"),
     (r"^compare/packaging/release\b", "this builds once more; test_packages_slow makes packages"),

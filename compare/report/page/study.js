@@ -1,9 +1,9 @@
 /* Pages of the other studies: thresholds with their brackets, ensembles as distributions, metamorphic
- * checks, solvers, tuning. What a study has beyond that is shown as tables of its JSON. */
-import { facts, folded, h, p, section, table } from './dom.js';
+ * checks, tuning. The rest of a study is shown as tables of its JSON. */
+import { facts, h, p, section, table } from './dom.js';
 import { styles as stylesOf } from './engines.js';
-import { digits, number, plural } from './format.js';
-import { Plot, chips, hasPlots, plot, power } from './plots.js';
+import { digits, plural } from './format.js';
+import { Plot, chips, hasPlots, plot } from './plots.js';
 
 const show = (value) => (value === null || value === undefined ? '–' : typeof value === 'number' ? digits(value) : typeof value === 'object' ? JSON.stringify(value) : String(value));
 const cell = (value) => ({ text: show(value), value: typeof value === 'number' || value === null ? value : undefined });
@@ -64,19 +64,6 @@ function metamorphic(study) {
     section('differences', 'Differences', plain('Early in the run and at its end', trials.flatMap((t) => t.checks.map((c) => ({ scenario: t.scenario, engine: t.label, check: c.check, verdict: c.verdict, early_position: c.early?.position ?? null, end_position: c.end?.position ?? null, early_rotation: c.early?.rotation ?? null, end_rotation: c.end?.rotation ?? null, reason: c.reason ?? '' })))))] };
 }
 
-function solve(study) {
-  const problems = study.problems, names = [...new Set(problems.flatMap((q) => q.cells.map((c) => c.solver)))], styles = stylesOf(names.map((name) => ({ name, engine: name })));
-  const inner = problems.map((problem, i) => {
-    const points = problem.cells.flatMap((c) => c.levels.filter((l) => l.reached && l.seconds > 0 && l.residual_max > 0).map((l) => ({ ...l, name: c.solver, start: c.start })));
-    return section(`problem-${i}`, problem.name, problem.error ? p(problem.error, 'warn') : p(`${problem.bodies} bodies, ${problem.points} contact points, step ${problem.step} of ${problem.scenario}.`),
-      hasPlots && points.length > 0 ? plot(`${problem.name}: residual over time, from a cold start (filled) and a warm one`, { width: 700, height: 300, x: { type: 'log', label: 'CPU time (s) →', tickFormat: power, grid: true }, y: { type: 'log', label: '↑ largest residual (m/s)', tickFormat: power, grid: true },
-        marks: [Plot.dot(points, { x: 'seconds', y: 'residual_max', r: 4, stroke: (d) => styles.get(d.name).colour, fill: (d) => (d.start === 'cold' ? styles.get(d.name).colour : 'none') }), Plot.tip(points, Plot.pointer({ x: 'seconds', y: 'residual_max', title: (d) => `${d.name}, ${d.start}\n${d.iterations} iterations, ${number(d.seconds, 's')}` }))] }) : null,
-      chips([...new Set(points.map((d) => d.name))], styles),
-      folded('All solvers and tolerances', plain('Solvers', problem.cells.flatMap((c) => c.levels.map((l) => ({ solver: c.solver, start: c.start, ...l }))))));
-  });
-  return { title: 'Plumb: solvers', lead: `${plural(names.length, 'solver')} on ${plural(problems.length, 'contact problem')}`, parts: inner, inner, innerTitle: 'Problems' };
-}
-
 /* Every array of objects as a table, the rest as facts. */
 function other(kind, study) {
   const arrays = Object.entries(study).filter(([, v]) => Array.isArray(v) && v.length > 0 && typeof v[0] === 'object' && v[0] !== null);
@@ -85,6 +72,6 @@ function other(kind, study) {
 }
 
 export function study(kind, json) {
-  const pages = { threshold, ensemble, metamorphic, solver_benchmark: solve };
+  const pages = { threshold, ensemble, metamorphic };
   return kind in pages ? pages[kind](json) : other(kind, json);
 }

@@ -4,6 +4,7 @@
 #include "base/random.h"
 
 #include <math.h>
+#include <nlopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -141,10 +142,6 @@ static int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point)
 
 /* NLopt (Johnson, The NLopt nonlinear-optimization package) minimises the logarithm of the cost
  * with a penalty for a missed target. */
-#ifdef PLUMB_HAVE_NLOPT
-
-#include <nlopt.h>
-
 enum { MOST_STARTS = 4 };
 
 /* On synthetic engines with and without chaos, 20 seeds each, the simplex method of Nelder and Mead
@@ -228,11 +225,6 @@ static bool optimise(pl_evaluation_cache *cache, int start, int evaluations)
     return true;
 }
 
-bool pl_search_has_nlopt(void)
-{
-    return true;
-}
-
 static void run_nlopt(pl_evaluation_cache *cache)
 {
     int begun[MOST_STARTS];
@@ -248,20 +240,6 @@ static void run_nlopt(pl_evaluation_cache *cache)
         }
     }
 }
-
-#else
-
-bool pl_search_has_nlopt(void)
-{
-    return false;
-}
-
-static void run_nlopt(pl_evaluation_cache *cache)
-{
-    (void)cache;
-}
-
-#endif
 
 /* ---- Third stage: local refinement ---- */
 

@@ -67,9 +67,6 @@ typedef struct pl_search_result {
     int sampled, optimised, refined; /* evaluations of each stage */
 } pl_search_result;
 
-/* Whether this build has NLopt, the library of the second stage, which is skipped without it. */
-bool pl_search_has_nlopt(void);
-
 /* Evaluates low-discrepancy points over the space, in half of which a parameter that spends no time
  * stays at its start; then runs NLopt from the best of them; then steps along each parameter and in
  * seeded directions around the best point. Equal seeds and equal answers give equal points. The
