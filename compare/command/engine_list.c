@@ -84,22 +84,9 @@ static json_t *list_options(const pl_engine_info *engine)
 /* What each word means in a built-in engine; NULL where that is not known. */
 static json_t *words_of(const pl_engine_info *engine)
 {
-    size_t index;
-    const json_t *word;
     json_t *known = engine->built_in == NULL ? NULL : pl_engine_words();
-    json_t *words = json_object();
-    json_array_foreach(json_object_get(known, "words"), index, word)
-    {
-        json_t *means = json_object_get(json_object_get(word, "means"), engine->name);
-        if (means != NULL) {
-            json_object_set(words, pl_json_get_text(word, "word"), means);
-        }
-    }
+    json_t *words = json_incref(json_object_get(known, engine->name));
     json_decref(known);
-    if (json_object_size(words) == 0) {
-        json_decref(words);
-        return NULL;
-    }
     return words;
 }
 

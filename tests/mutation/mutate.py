@@ -95,7 +95,7 @@ def make_tree(listed):
 
 def build_tree():
     settings = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_C_FLAGS=-w -I{HERE}", f"-DCMAKE_CXX_FLAGS=-w -I{HERE}",
-                    "-DPLUMB_DART=OFF", "-DPLUMB_INSTALL=OFF", f"-DCMAKE_PROJECT_plumb_INCLUDE={HERE}/mutant.cmake"]
+                    "-DPLUMB_ADAPTER_MODULES=OFF", "-DPLUMB_INSTALL=OFF", f"-DCMAKE_PROJECT_plumb_INCLUDE={HERE}/mutant.cmake"]
     for command in (["cmake", "-S", TREE, "-B", f"{BUILD}/built", *settings], ["cmake", "--build", f"{BUILD}/built"]):
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
