@@ -309,8 +309,9 @@ def write_speed():
         ]
         rows.append([names[pair["other"]], *texts])
     table(["engine", *(f"error {level['level']:.0e}" for level in sweep["pairs"][0]["levels"])], rows)
-    paragraph("""`plumb sweep tower slope-slide slope-tip rocket --engine plumb --engine ode --engine bullet
-        --engine mujoco --engine dart:recommended --cpu-limit 20 --timeout 90 --jobs 2 --out speed`""")
+    engines = " ".join(f"--engine {engine['speed']}" for engine in ENGINES.values() if "speed" in engine)
+    paragraph(f"""`plumb sweep tower slope-slide slope-tip rocket {engines} --cpu-limit 20 --timeout 90 --jobs 2
+        --out speed`""")
 
 
 def write_findings_of(name, state):

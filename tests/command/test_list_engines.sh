@@ -11,11 +11,15 @@ import glob, json, sys
 
 source = sys.argv[1]
 listed = open("listed.txt").read()
-engines = [e for e in json.load(open("listed.json")) if e["present"]]
+engines = json.load(open("listed.json"))
 described = {e["name"]: e for e in map(json.load, map(open, glob.glob(source + "/compare/adapters/*/engine.json")))}
 
 def wrong(text):
     print(text)
+
+if [e["name"] for e in engines] != sorted(described, key=lambda name: described[name]["place"]):
+    wrong("the engines are not those that are described, in their order")
+engines = [e for e in engines if e["present"]]
 
 for engine in engines:
     name = engine["name"]

@@ -2,11 +2,8 @@
 # Engines that are not linked run a reduced suite; absent ones are named.
 set -eu
 source "$SOURCE/tests/support/command.sh"
-engines=()
-for description in $(grep -lE '^ "adapter": "(module|script)"' "$SOURCE"/compare/adapters/*/engine.json); do
-    description=${description%/engine.json}
-    engines+=("${description##*/}")
-done
+source "$SOURCE/compare/packages.sh"
+readarray -t engines < <(engines module script)
 [[ ${#engines[@]} -ge 8 ]] || note_failure "only ${#engines[@]} engines were found: the test is blind"
 
 "$PLUMB" doctor >doctor || note_failure "doctor: exit code $?"
