@@ -2,8 +2,12 @@
 #
 #   need PACKAGE PROBE...      PROBE is a command that succeeds when the package is there
 #   want PACKAGE PROBE...      the same for what can be left out, and said so, where it cannot be had
+#   want_engine ENGINE         wants the Debian packages of an engine
 #   install_packages           after the list: installs what is missing of both
+#
+# What it knows of engines comes from adapters/NAME/engine.json.
 
+adapters=$(cd "$(dirname "${BASH_SOURCE[0]}")/adapters" && pwd)
 missing_needed=()
 missing_wanted=()
 
@@ -17,6 +21,31 @@ want() {
     local package=$1
     shift
     "$@" >/dev/null 2>&1 || missing_wanted+=("$package")
+}
+
+# engine_member ENGINE KEY: that member of the engine's description, a text or a number; nothing where it has none.
+engine_member() {
+    sed -nE "s/^ \"$2\": \"?([^\"]*[^\",])\"?,?\$/\1/p" "$adapters/$1/engine.json"
+}
+
+# engines KIND...: the names of the engines whose adapter is "linked", a "module" or a "script", in the order of reports.
+engines() {
+    local file name
+    for file in "$adapters"/*/engine.json; do
+        name=${file%/engine.json}
+        name=${name##*/}
+        [[ " $* " != *" $(engine_member "$name" adapter) "* ]] || echo "$(engine_member "$name" place) $name"
+    done | sort -n | cut -d ' ' -f 2
+}
+
+want_engine() {
+    local package probe
+    while read -r package probe; do
+        case $probe in
+        */*) want "$package" test -e "/usr/include/$probe" ;;
+        *) want "$package" has_module "$probe" ;;
+        esac
+    done < <(sed -nE 's/^  \{"package": "(.*)", "probe": "(.*)"\},?$/\1 \2/p' "$adapters/$1/engine.json")
 }
 
 has_module() {
@@ -60,6 +89,7 @@ install_packages() {
 }
 
 common_packages() {
+    local engine
     need gcc command -v gcc
     need g++ command -v g++
     need cmake command -v cmake
@@ -75,8 +105,7 @@ common_packages() {
     need zlib1g-dev has_module zlib
     command -v npm >/dev/null || need esbuild command -v esbuild
     want libsuitesparse-dev test -e /usr/include/suitesparse/amd.h
-    want libode-dev has_module ode
-    want libbullet-dev has_module bullet
-    want libbullet-extras-dev has_module bullet-float64
-    want libmujoco-dev test -e /usr/include/mujoco/mujoco.h
+    for engine in $(engines linked); do
+        want_engine "$engine"
+    done
 }

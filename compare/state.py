@@ -10,25 +10,19 @@ FOLDER = sys.argv[1]
 NOTES = os.path.join(os.path.dirname(sys.argv[0]), "state_notes.md")
 SUITES = ["canonical", "analytic", "hard", "chaotic", "reported", "field"]
 UNKNOWN = "cause not known"
-# Name, adapter, and where its makers take objections.
-ENGINES = {
-    "plumb": ("plumb", "adapters/adapter_plumb.c", ""),
-    "ode": ("ODE", "adapters/ode", "https://bitbucket.org/odedevs/ode"),
-    "bullet": ("Bullet", "adapters/adapter_bullet.c", "https://github.com/bulletphysics/bullet3"),
-    "mujoco": ("MuJoCo 2", "adapters/mujoco", "https://github.com/google-deepmind/mujoco"),
-    "dart": ("DART", "adapters/dart", "https://github.com/dartsim/dart"),
-    "mujoco3": ("MuJoCo 3", "adapters/web/mujoco3.mjs", "https://github.com/google-deepmind/mujoco"),
-    "rapier": ("Rapier", "adapters/web/rapier.mjs", "https://github.com/dimforge/rapier"),
-    "rapier-deterministic": (
-        "Rapier, deterministic build",
-        "adapters/web/rapier.mjs",
-        "https://github.com/dimforge/rapier",
-    ),
-    "jolt": ("Jolt", "adapters/web/jolt.mjs", "https://github.com/jrouwe/JoltPhysics"),
-    "physx": ("PhysX", "adapters/web/physx.mjs", "https://github.com/NVIDIA-Omniverse/PhysX"),
-    "havok": ("Havok", "adapters/web/havok.mjs", "https://github.com/BabylonJS/havok"),
-    "cannon": ("cannon-es", "adapters/web/cannon.mjs", "https://github.com/pmndrs/cannon-es"),
-}
+ADAPTERS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "adapters")
+
+
+def read_engines():
+    """The descriptions of engines by their names, in the order of reports."""
+    engines = []
+    for path in glob.glob(os.path.join(ADAPTERS, "*", "engine.json")):
+        with open(path, encoding="utf-8") as file:
+            engines.append(json.load(file))
+    return {engine["name"]: engine for engine in sorted(engines, key=lambda engine: engine["place"])}
+
+
+ENGINES = read_engines()
 
 
 def text_of(name):
@@ -164,11 +158,10 @@ def write_engines(state):
         and accuracy. `plumb list engines NAME` prints every setting with its source.""")
     rows = []
     for name, engine in state.engines.items():
-        title, adapter, _ = ENGINES[name]
         checks = [state.checks(f"{name}:{profile['name']}") for profile in engine.get("profiles", ())]
         rows.append(
             [
-                f"[{title}]({adapter})",
+                f"[{ENGINES[name]['title']}](adapters/{name})",
                 engine["version"] if engine["present"] else "absent",
                 engine.get("runtime", ""),
                 engine.get("precision", ""),
@@ -177,8 +170,7 @@ def write_engines(state):
         )
     table(["engine and its adapter", "version", "runs in", "precision", "checks of `plumb check-engine`"], rows)
     paragraph("""Each failed check is the engine's own behaviour. Programs of at most 30 lines, which need the engine
-        alone, show it: [adapters/web](adapters/web/README.md#what-fails-conformance-and-why),
-        [adapters/dart](adapters/dart/README.md#what-dart-does).""")
+        alone, show it; they are in the folder `behaviour` of the adapter, whose README says what they print.""")
 
 
 def write_verdicts(state):
@@ -219,7 +211,7 @@ def by_engine(state, labels, detail=None):
         profiles[engine].append(f"{profile}: {detail[label]}" if detail else profile)
     between = "; " if detail else ", "
     return "; ".join(
-        f"{ENGINES[engine][0]} {state.engines[engine]['version']} ({between.join(names)})"
+        f"{ENGINES[engine]['title']} {state.engines[engine]['version']} ({between.join(names)})"
         for engine, names in profiles.items()
     )
 
@@ -317,12 +309,13 @@ def write_speed():
         ]
         rows.append([names[pair["other"]], *texts])
     table(["engine", *(f"error {level['level']:.0e}" for level in sweep["pairs"][0]["levels"])], rows)
-    paragraph("""`plumb sweep tower slope-slide slope-tip rocket --engine plumb --engine ode --engine bullet
-        --engine mujoco --engine dart:recommended --cpu-limit 20 --timeout 90 --jobs 2 --out speed`""")
+    engines = " ".join(f"--engine {engine['speed']}" for engine in ENGINES.values() if "speed" in engine)
+    paragraph(f"""`plumb sweep tower slope-slide slope-tip rocket {engines} --cpu-limit 20 --timeout 90 --jobs 2
+        --out speed`""")
 
 
 def write_findings_of(name, state):
-    title, _, tracker = ENGINES[name]
+    title, tracker = ENGINES[name]["title"], ENGINES[name].get("makers")
     mine = [row for row in state.findings if engine_of(row[1]) == name]
     labels = [label for label in state.labels if engine_of(label) == name]
     causes = list(dict.fromkeys((cause, evidence) for _, _, _, cause, evidence in mine if cause != UNKNOWN))

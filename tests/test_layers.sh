@@ -122,10 +122,9 @@ only() {
         [[ $file == "$owner" || $file == "$owner"/* ]] || fail "$file includes headers that only $owner may"
     done < <(grep -rlE "^#include [<\"]($pattern)" engine scenarios compare || true)
 }
-only 'ode/' compare/adapters/ode
-only 'mujoco/mujoco' compare/adapters/mujoco
-only '(dart/[a-z]+/|Eigen/|assimp/)' compare/adapters/dart
-only 'bt[A-Z]|Bullet' compare/adapters/bullet_c.cpp
+while IFS=: read -r file pattern; do
+    only "$pattern" "${file%/engine.json}"
+done < <(grep -HoP '^ "headers": "\K[^"]+' compare/adapters/*/engine.json)
 only 'ccd/' compare/referee/geometry/gap_convex.c
 only 'nlopt' compare/studies/tune/tune_search.c
 only 'utf8proc' compare/base/text_width.c

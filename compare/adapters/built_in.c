@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PATH_ROOM = 4096 };
+enum { PATH_ROOM = PL_BUILT_IN_PATH };
 
 /* Finds the folder of the files that come with the program: that of the installation, or else that of
  * the build, which is next to the program. Returns whether the program is installed. */
@@ -51,69 +51,30 @@ static bool find_web_folder(const pl_built_in *built_in, char folder[PATH_ROOM])
     } else {
         snprintf(folder, PATH_ROOM, "%s/.local/share/plumb/web", home == NULL ? "" : home);
     }
-    const bool users = has_module(folder, built_in->module);
+    const bool users = has_module(folder, built_in->package);
     snprintf(own + strlen(own), sizeof own - strlen(own), "/web");
-    const bool owns = has_module(own, built_in->module);
+    const bool owns = has_module(own, built_in->package);
     if (owns || !users) {
         snprintf(folder, PATH_ROOM, "%s", own);
     }
     return owns || users;
 }
 
-#define WEB(engine, script_with_arguments, npm_package)                                            \
-    {                                                                                              \
-        .name = (engine), .package = (npm_package), .libraries = "",                               \
-        .script = (script_with_arguments), .module = (npm_package)                                 \
-    }
-
 const pl_built_in *pl_built_in_engines(int *count)
 {
-    static char dart_module[PATH_ROOM + 16] = "";
-    static const pl_built_in all[] = {
-        {.name = "plumb", .package = "", .libraries = "", .entry = pl_engine_plumb},
-        {.name = "ode",
-         .package = "libode-dev",
-         .libraries = "libode",
-#ifdef PLUMB_HAVE_ODE
-         .entry = pl_engine_ode
-#endif
-        },
-        {.name = "bullet",
-         .package = "libbullet-dev libbullet-extras-dev",
-         .libraries = "libBullet libLinearMath",
-#ifdef PLUMB_HAVE_BULLET
-         .entry = pl_engine_bullet
-#endif
-        },
-        {.name = "mujoco",
-         .package = "libmujoco-dev",
-         .libraries = "libmujoco",
-#ifdef PLUMB_HAVE_MUJOCO
-         .entry = pl_engine_mujoco
-#endif
-        },
-        {.name = "dart",
-         .family = "ode", /* two of its profiles use ODE's collision detector */
-         .package = "libdart-dev",
-         .libraries = "",
-         .path = dart_module},
-        WEB("mujoco3", "mujoco3.mjs", "@mujoco/mujoco"),
-        WEB("rapier", "rapier.mjs", "@dimforge/rapier3d-compat"),
-        WEB("rapier-deterministic", "rapier.mjs deterministic",
-            "@dimforge/rapier3d-deterministic-compat"),
-        WEB("jolt", "jolt.mjs", "jolt-physics"),
-        WEB("physx", "physx.mjs", "physx-js-webidl"),
-        WEB("havok", "havok.mjs", "@babylonjs/havok"),
-        WEB("cannon", "cannon.mjs", "cannon-es"),
-    };
-    _Static_assert(sizeof all / sizeof *all <= PL_MOST_BUILT_IN, "PL_MOST_BUILT_IN is too small");
-    if (dart_module[0] == '\0') {
-        char folder[PATH_ROOM];
-        find_own_folder(folder);
-        snprintf(dart_module, sizeof dart_module, "%s/dart.so", folder);
+    *count = pl_built_in_count;
+    return pl_built_in_table;
+}
+
+bool pl_built_in_path(const pl_built_in *built_in, char *path, size_t size)
+{
+    char folder[PATH_ROOM];
+    if (!built_in->is_module) {
+        return false;
     }
-    *count = (int)(sizeof all / sizeof *all);
-    return all;
+    find_own_folder(folder);
+    snprintf(path, size, "%s/%s.so", folder, built_in->name);
+    return true;
 }
 
 void pl_engine_family(const char *name, char family[PL_FAMILY_SIZE])
@@ -151,8 +112,8 @@ bool pl_has_program(const char *name)
 bool pl_built_in_is_present(const pl_built_in *built_in)
 {
     char path[PATH_ROOM];
-    if (built_in->path != NULL) {
-        return access(built_in->path, R_OK) == 0;
+    if (pl_built_in_path(built_in, path, sizeof path)) {
+        return access(path, R_OK) == 0;
     }
     if (built_in->script == NULL) {
         return built_in->entry != NULL;
@@ -186,7 +147,7 @@ void pl_built_in_how_to_get(const pl_built_in *built_in, char *text, size_t size
         snprintf(text, size, "./compare/run --with %s", built_in->name);
     } else if (built_in->script != NULL) {
         snprintf(text, size, "%s/web/get-engines", folder);
-    } else if (built_in->path != NULL) {
+    } else if (built_in->is_module) {
         snprintf(text, size, "apt-get install plumb-%s", built_in->name);
     } else {
         snprintf(text, size, "a build with %s", built_in->package);

@@ -4,36 +4,33 @@
 
 #include "plumb/engine_abi.h"
 
-/* Our own engine. Static storage, never NULL, as all built-in engines. */
-const pl_engine *pl_engine_plumb(void);
-
-/* The adapter of ODE. It is not compiled when ODE is absent from this build. */
-const pl_engine *pl_engine_ode(void);
-
-/* The adapter of Bullet. It is not compiled when Bullet is absent from this build. */
-const pl_engine *pl_engine_bullet(void);
-
-/* The adapter of MuJoCo. It is not compiled when MuJoCo is absent from this build. */
-const pl_engine *pl_engine_mujoco(void);
-
-/* A built-in engine: one that is linked to the program, a shared object that comes with it, or an adapter
- * of ours that is a program. */
+/* A built-in engine: one that is linked to the program, a shared object that comes with it, or a script
+ * that node runs. The build makes the table of them from adapters/NAME/engine.json. */
 typedef struct pl_built_in {
     const char *name;
     const char
         *family; /* engines that share code with it have the same; NULL: see pl_engine_family */
-    const char *package;   /* the packages that provide it; "" for our own */
+    const char *package;   /* the Debian packages or the npm package that provide it; "": none */
     const char *libraries; /* base names of its shared libraries begin with one of these, separated
                               by blanks; "": it has none */
     pl_engine_entry entry; /* NULL: absent from this build, or not linked */
-    const char *path;      /* of the shared object, which may be absent; NULL: it is none */
-    const char *script; /* of adapters/web, with arguments, which node runs; NULL: it is linked */
-    const char *module; /* the npm package that the script needs */
+    bool is_module;        /* it is the shared object of pl_built_in_path */
+    const char *script;    /* with arguments, which node runs; NULL: it is none */
 } pl_built_in;
+
+/* The table that the build makes, in the order of reports. */
+extern const pl_built_in pl_built_in_table[];
+extern const int pl_built_in_count;
 
 /* Whether the engine can be run here: it is linked, its shared object was built, or node and its npm
  * package are installed. */
 bool pl_built_in_is_present(const pl_built_in *built_in);
+
+enum { PL_BUILT_IN_PATH = 4096 };
+
+/* The path of an engine that is a shared object, in `path` of that size; it may be absent. False: the
+ * engine is none. */
+bool pl_built_in_path(const pl_built_in *built_in, char *path, size_t size);
 
 /* Whether a shell finds the program of that name or path. */
 bool pl_has_program(const char *name);

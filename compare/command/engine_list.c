@@ -2,6 +2,7 @@
  * as plumb tune found. */
 #include "engine_list.h"
 
+#include "adapters/process/hello.h"
 #include "base/json_field.h"
 #include "report/page_data.h"
 
@@ -50,33 +51,17 @@ static json_t *list_profiles(const pl_engine_info *engine)
     return list;
 }
 
-/* The profiles in which plumb tune varies an option, and the range; NULL: none. */
-static json_t *tune_range(const pl_engine_info *engine, const pl_engine_option *option)
-{
-    json_t *profiles = json_array();
-    for (int i = 0; i < engine->profile_count && i < 32; ++i) {
-        if ((option->tune_profiles >> i & 1u) != 0) {
-            json_array_append_new(profiles, json_string(engine->profiles[i].name));
-        }
-    }
-    if (json_array_size(profiles) == 0) {
-        json_decref(profiles);
-        return NULL;
-    }
-    return json_pack("{s:f, s:f, s:b, s:o}", "min", option->tune_min, "max", option->tune_max,
-                     "logarithmic", (int)option->tune_logarithmic, "profiles", profiles);
-}
-
 static json_t *list_options(const pl_engine_info *engine)
 {
     json_t *list = json_array();
     for (int i = 0; i < engine->option_count; ++i) {
         const pl_engine_option *o = &engine->options[i];
-        json_array_append_new(
-            list, json_pack("{s:s, s:f, s:f, s:f, s:b, s:s, s:s, s:s*, s:o*}", "name", o->name,
-                            "default", pl_engine_profile_values(engine, 0)[i], "min", o->min, "max",
-                            o->max, "integer", (int)o->integer, "unit", o->unit, "help", o->help,
-                            "code", o->code, "tune", tune_range(engine, o)));
+        json_array_append_new(list,
+                              json_pack("{s:s, s:f, s:f, s:f, s:b, s:s, s:s, s:s*, s:o*}", "name",
+                                        o->name, "default", pl_engine_profile_values(engine, 0)[i],
+                                        "min", o->min, "max", o->max, "integer", (int)o->integer,
+                                        "unit", o->unit, "help", o->help, "code", o->code, "tune",
+                                        pl_hello_tune(o, engine->profiles, engine->profile_count)));
     }
     return list;
 }
@@ -84,55 +69,10 @@ static json_t *list_options(const pl_engine_info *engine)
 /* What each word means in a built-in engine; NULL where that is not known. */
 static json_t *words_of(const pl_engine_info *engine)
 {
-    size_t index;
-    const json_t *word;
     json_t *known = engine->built_in == NULL ? NULL : pl_engine_words();
-    json_t *words = json_object();
-    json_array_foreach(json_object_get(known, "words"), index, word)
-    {
-        json_t *means = json_object_get(json_object_get(word, "means"), engine->name);
-        if (means != NULL) {
-            json_object_set(words, pl_json_get_text(word, "word"), means);
-        }
-    }
+    json_t *words = json_incref(json_object_get(known, engine->name));
     json_decref(known);
-    if (json_object_size(words) == 0) {
-        json_decref(words);
-        return NULL;
-    }
     return words;
-}
-
-static const char *precision_name(pl_precision precision)
-{
-    return precision == PL_PRECISION_FLOAT ? "float" : "double";
-}
-
-static const char *integrator_name(pl_integrator integrator)
-{
-    switch (integrator) {
-    case PL_INTEGRATOR_SEMI_IMPLICIT_EULER:
-        return "semi-implicit Euler";
-    case PL_INTEGRATOR_EXPLICIT_EULER:
-        return "explicit Euler";
-    case PL_INTEGRATOR_MIDPOINT:
-        return "midpoint";
-    case PL_INTEGRATOR_UNKNOWN:
-        break;
-    }
-    return "unknown";
-}
-
-static json_t *list_contacts(uint32_t contacts)
-{
-    static const char *const names[] = {"points", "impulses", "torques"};
-    json_t *list = json_array();
-    for (int i = 0; i < 3; ++i) {
-        if ((contacts >> i & 1u) != 0) {
-            json_array_append_new(list, json_string(names[i]));
-        }
-    }
-    return list;
 }
 
 /* What is known of an engine, added to its item. Of one that could not be asked, the fault. */
@@ -147,12 +87,13 @@ static pl_status describe_engine(json_t *item, const pl_engine_info *e, pl_error
     if (status != PL_OK) {
         return status;
     }
-    json_t *known = json_pack(
-        "{s:s, s:s, s:s, s:s, s:s, s:o, s:s, s:i, s:o, s:o, s:o, s:o*}", "version", e->version,
-        "description", e->description, "runtime", pl_engine_runtime(e), "precision",
-        precision_name(e->precision), "integrator", integrator_name(e->integrator), "contacts",
-        list_contacts(e->contacts), "binary", e->binary, "substeps", e->substeps, "profiles",
-        list_profiles(e), "tuned", tuned, "options", list_options(e), "words", words_of(e));
+    json_t *known =
+        json_pack("{s:s, s:s, s:s, s:s, s:s, s:o, s:s, s:i, s:o, s:o, s:o, s:o*}", "version",
+                  e->version, "description", e->description, "runtime", pl_engine_runtime(e),
+                  "precision", pl_hello_precision(e->precision), "integrator",
+                  pl_hello_integrator(e->integrator), "contacts", pl_hello_contacts(e->contacts),
+                  "binary", e->binary, "substeps", e->substeps, "profiles", list_profiles(e),
+                  "tuned", tuned, "options", list_options(e), "words", words_of(e));
     json_object_update(item, known);
     json_decref(known);
     return PL_OK;

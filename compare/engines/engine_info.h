@@ -52,7 +52,7 @@ void pl_engine_describe_within(const pl_limits *limits);
  * program of `command`, or the built-in engine; the others are NULL. The result lives until the
  * program ends, and is the same pointer for the same engine. A crash, an exit, a hang or a damaged
  * report becomes info->fault, and the status is PL_OK. PL_BAD_INPUT: it is no engine of this ABI, or
- * of this protocol. PL_IO, PL_NO_MEMORY. */
+ * of this protocol. PL_IO. */
 pl_status pl_engine_describe(const char *path, const char *command, const pl_built_in *built_in,
                              const pl_engine_info **info, pl_error *error);
 

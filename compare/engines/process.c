@@ -16,7 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* More than any result: a longer answer is not one of ours, and the rest of it is dropped. */
+/* More than any result: a longer answer is no answer, and the rest of it is dropped. */
 enum { MAX_ANSWER = 1 << 28, CHUNK = 1 << 16 };
 
 /* The descriptor of the answer in the child, and how the child ends when it cannot be written. */

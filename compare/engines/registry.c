@@ -108,7 +108,8 @@ static pl_status fail_unknown(pl_error *error, const char *what, const char *wor
 pl_status pl_engine_of_build(const pl_built_in *built_in, const pl_engine_info **info,
                              pl_error *error)
 {
-    char command[4200];
+    char command[4200], path[PL_BUILT_IN_PATH];
+    const bool is_module = pl_built_in_path(built_in, path, sizeof path);
     const bool is_script = pl_built_in_command(built_in, command, sizeof command);
     if (!pl_built_in_is_present(built_in)) {
         char how[PL_HOW_TO_GET];
@@ -116,7 +117,8 @@ pl_status pl_engine_of_build(const pl_built_in *built_in, const pl_engine_info *
         return pl_fail(error, PL_UNSUPPORTED, "engine %s is absent: %s gets it (%s %s)",
                        built_in->name, how, is_script ? "npm" : "Debian", built_in->package);
     }
-    return pl_engine_describe(built_in->path, is_script ? command : NULL, built_in, info, error);
+    return pl_engine_describe(is_module ? path : NULL, is_script ? command : NULL, built_in, info,
+                              error);
 }
 
 static pl_status find_built_in(const char *name, const pl_engine_info **engine, pl_error *error)

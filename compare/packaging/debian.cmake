@@ -1,5 +1,5 @@
 # Debian packages, by cpack: libplumb0 (the shared engine), libplumb-dev (to build with it, and to write
-# adapters), plumb (the program), and plumb-dart where DART was found. `compare/packaging/release` calls it.
+# adapters), plumb (the program), and plumb-NAME for the adapter of each engine that is loaded. `compare/packaging/release` calls it.
 
 # What Debian's policy asks of each package: its licence, and a changelog with the day of the release, which is
 # that of CHANGELOG.md.
@@ -28,9 +28,9 @@ set(CPACK_PACKAGE_CONTACT ${maintainer})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL libplumb0 libplumb-dev plumb)
-if(PLUMB_HAVE_DART)
-  list(APPEND CPACK_COMPONENTS_ALL plumb-dart)
-endif()
+get_property(modules GLOBAL PROPERTY PLUMB_PRESENT_MODULES)
+list(TRANSFORM modules PREPEND plumb- OUTPUT_VARIABLE module_packages)
+list(APPEND CPACK_COMPONENTS_ALL ${module_packages})
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -60,13 +60,19 @@ plumb_package(plumb science "measures the accuracy of rigid-body physics engines
 many more) on several rigid-body physics engines, and compares each result
 with the right answer. Its reports say how accurate each engine is and what
 that costs; its gate fails a build in which an engine got worse. Its own
-engine, ODE, Bullet and MuJoCo are linked; others are loaded or run as
+engine and those of Debian's libraries are linked; others are loaded or run as
 programs.")
-plumb_package(plumb-dart science "adapter of the DART physics engine for plumb"
-"With this package, plumb compares DART, too.")
+foreach(engine IN LISTS modules)
+  plumb_member(title ${engine} title)
+  plumb_package(plumb-${engine} science "adapter of the ${title} physics engine for plumb"
+"With this package, plumb compares ${title}, too.")
+  string(TOUPPER ${engine} upper)
+  set(CPACK_DEBIAN_PLUMB-${upper}_PACKAGE_DEPENDS "plumb (= ${PLUMB_VERSION})")
+endforeach()
 set(CPACK_DEBIAN_LIBPLUMB-DEV_PACKAGE_DEPENDS "libplumb0 (= ${PLUMB_VERSION}), libsuitesparse-dev")
-set(CPACK_DEBIAN_PLUMB_PACKAGE_SUGGESTS "chromium, libplumb-dev, nodejs, npm, plumb-dart, python3-pandas")
-set(CPACK_DEBIAN_PLUMB-DART_PACKAGE_DEPENDS "plumb (= ${PLUMB_VERSION})")
+list(JOIN module_packages ", " module_packages)
+set(CPACK_DEBIAN_PLUMB_PACKAGE_SUGGESTS "chromium, libplumb-dev, nodejs, npm, ${module_packages}, python3-pandas")
+string(REPLACE ", ," "," CPACK_DEBIAN_PLUMB_PACKAGE_SUGGESTS "${CPACK_DEBIAN_PLUMB_PACKAGE_SUGGESTS}")
 set(CPACK_DEBIAN_LIBPLUMB0_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/triggers)
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/lintian_overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
   RENAME libplumb0 COMPONENT libplumb0)

@@ -3,11 +3,14 @@
 set(documentation ${CMAKE_INSTALL_DATADIR}/doc)
 
 install(TARGETS plumb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT plumb)
-install(DIRECTORY compare/adapters/web DESTINATION ${CMAKE_INSTALL_LIBDIR}/plumb COMPONENT plumb
-  USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.mjs" PATTERN "*.json" PATTERN get-engines PATTERN behaviour EXCLUDE)
-if(PLUMB_HAVE_DART)
-  install(TARGETS plumb_dart LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/plumb COMPONENT plumb-dart)
-endif()
+get_property(web_files GLOBAL PROPERTY PLUMB_WEB_FILES)
+install(PROGRAMS compare/adapters/web/get-engines DESTINATION ${CMAKE_INSTALL_LIBDIR}/plumb/web COMPONENT plumb)
+list(FILTER web_files EXCLUDE REGEX "/get-engines$")
+install(FILES ${web_files} DESTINATION ${CMAKE_INSTALL_LIBDIR}/plumb/web COMPONENT plumb)
+get_property(modules GLOBAL PROPERTY PLUMB_PRESENT_MODULES)
+foreach(engine IN LISTS modules)
+  install(TARGETS plumb_${engine} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/plumb COMPONENT plumb-${engine})
+endforeach()
 
 install(FILES compare/completion/plumb.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
   RENAME plumb COMPONENT plumb)

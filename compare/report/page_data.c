@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* The file of words, which compare/CMakeLists.txt builds into the program. */
-extern const char pl_engine_words_json[];
+extern const char pl_engines_json[];
 
 enum { MOST_BODIES = 2000, MOST_OUTPUT = 4000 };
 
@@ -195,7 +195,16 @@ static json_t *findings_json(const pl_report *report)
 
 json_t *pl_engine_words(void)
 {
-    return json_loads(pl_engine_words_json, JSON_REJECT_DUPLICATES, NULL);
+    json_t *engines = json_loads(pl_engines_json, JSON_REJECT_DUPLICATES, NULL);
+    json_t *words = json_object();
+    size_t i;
+    const json_t *engine;
+    json_array_foreach(engines, i, engine)
+    {
+        json_object_set(words, pl_json_get_text(engine, "name"), json_object_get(engine, "words"));
+    }
+    json_decref(engines);
+    return words;
 }
 
 json_t *pl_page_data_metrics(void)

@@ -11,8 +11,8 @@ pl_status pl_page_data(const pl_report *report, json_t **data, pl_error *error);
 /* What a page says of a scenario of the catalogue, set in `object`. */
 void pl_page_data_scenario(const pl_scenario *scenario, json_t *object);
 
-/* What the words of a scene and of options mean in each engine (engine_words.json,
- * plumb.engine-words/1): a JSON object that the caller releases; NULL when out of memory. */
+/* What the words of a scene and of options mean in each built-in engine, {ENGINE: {WORD: TEXT}}, as the
+ * engines' descriptions say (adapters/NAME/engine.json): a new reference. */
 json_t *pl_engine_words(void);
 
 /* Name, unit, direction and definition of every metric: a new array. */

@@ -16,9 +16,11 @@ import sys
 
 PROFILES = ["plumb:accurate", "plumb", "plumb:fast"]
 OTHERS = ["ode:quick", "bullet:si"]
+DESCRIPTIONS = sorted((json.loads(path.read_text(encoding="utf-8")) for path in
+                       pathlib.Path(__file__).parents[2].glob("compare/adapters/*/engine.json")), key=lambda e: e["place"])
 # Each engine as shipped, and as its authors recommend.
-CONFIGURATIONS = ["plumb", "ode:quick", "ode:recommended", "bullet:si", "bullet:recommended", "mujoco:default",
-                  "mujoco:recommended"]
+CONFIGURATIONS = [spec for engine in DESCRIPTIONS for spec in engine.get("results", ())]
+LINKED = [engine["name"] for engine in DESCRIPTIONS if engine["adapter"] == "linked"]
 VERDICTS = ["accurate", "inaccurate", "failed"]
 NOT_RUN = "not run"
 
@@ -305,8 +307,8 @@ def heap_speed(program):
         ours = at.get("plumb", (None, ""))[0]
         rows.append([scenario, number(1e3 * level, "mm"), at.get("plumb", (None, "–"))[1],
                      *(f"× {number(at[name][0] / ours)}<br>{at[name][1]}" if name in at and ours else "not reached"
-                       for name in ("bullet", "ode", "mujoco"))])
-    print_table(["scenario", "overlap", "plumb", "bullet", "ode", "mujoco"], rows)
+                       for name in LINKED[1:])])
+    print_table(["scenario", "overlap", *LINKED], rows)
 
 
 def losses(program):

@@ -9,7 +9,8 @@ hash_of() { # hash_of ENGINE SCENARIO OPTION...
     "$PLUMB" run "$@" --engine "$engine" 2>&1 | grep state_hash || true
 }
 
-for engine in plumb ode bullet mujoco; do
+source "$SOURCE/compare/packages.sh"
+for engine in $(engines linked); do
     "$PLUMB" list engines "$engine" >/dev/null 2>&1 || continue
     served="exec:$BUILD/process_server $engine"
     for scenario in "tower --duration 0.5" "pile --set n=30 --duration 0.5" "medley --duration 0.3"; do

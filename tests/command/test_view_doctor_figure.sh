@@ -41,7 +41,8 @@ BROWSER=none expect 3 'was not opened: "none" failed' view a
 
 PLUMB_CACHE=$PWD/cache "$PLUMB" doctor >out 2>err || [[ $? == 3 ]] || note_failure "doctor: $(cat err)"
 grep -qE '^plumb +[0-9.]+ +native +not verified: plumb check-engine plumb' out || note_failure "doctor: $(cat out)"
-for engine in ode bullet mujoco dart rapier; do
+source "$SOURCE/compare/packages.sh"
+for engine in $(engines linked module script); do
     grep -qE "^$engine +([0-9.]+ +native|[0-9.]+ +[a-z]+|absent|fault)" out || note_failure "doctor: $engine: $(cat out)"
 done
 [[ $(head -n 1 out) == P$("$PLUMB" --version | tail -c +2) ]] || note_failure "doctor: no version: $(cat out)"

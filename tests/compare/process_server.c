@@ -7,6 +7,7 @@
 #include "plumb/scenario.h"
 
 #include "adapters/built_in.h"
+#include "adapters/process/hello.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -120,61 +121,19 @@ static void add_state(server *s, json_t *answer)
 
 static json_t *describe(const server *s)
 {
-    static const char *const precisions[] = {"double", "float"};
-    static const char *const integrators[] = {"unknown", "semi-implicit Euler", "explicit Euler",
-                                              "midpoint"};
-    static const char *const gyroscopics[] = {"unknown", "none", "explicit", "implicit"};
-    static const char *const contact_words[] = {"points", "impulses", "torques"};
     const pl_engine *e = &s->loaded.table;
-    json_t *capabilities = json_array(), *contacts = json_array(), *options = json_array();
-    json_t *profiles = json_array(), *reads = json_array();
-    for (uint32_t bit = 1; bit != 0; bit <<= 1) {
-        if ((e->capabilities & bit) != 0 && pl_needs_name(bit) != NULL) {
-            json_array_append_new(capabilities, json_string(pl_needs_name(bit)));
-        }
-    }
-    for (int i = 0; i < 3; ++i) {
-        if ((e->contacts >> i & 1u) != 0) {
-            json_array_append_new(contacts, json_string(contact_words[i]));
-        }
-    }
-    for (int i = 0; i < e->option_count; ++i) {
-        const pl_engine_option *o = &e->options[i];
-        json_array_append_new(options, json_pack("{s:s, s:f, s:f, s:f, s:b}", "name", o->name,
-                                                 "value", o->value, "min", o->min, "max", o->max,
-                                                 "integer", (int)o->integer));
-    }
+    double defaults[PL_ENGINE_MAX_PROFILES * PL_ENGINE_MAX_OPTIONS];
     for (int i = 0; i < e->profile_count; ++i) {
-        double values[PL_ENGINE_MAX_OPTIONS];
-        json_t *changed = json_object();
+        double *values = defaults + i * e->option_count;
         for (int k = 0; k < e->option_count; ++k) {
             values[k] = e->options[k].value;
         }
         if (e->profile_defaults != NULL) {
             e->profile_defaults(i, values);
         }
-        for (int k = 0; k < e->option_count; ++k) {
-            json_object_set_new(changed, e->options[k].name, json_real(values[k]));
-        }
-        json_array_append_new(
-            profiles, json_pack("{s:s, s:o}", "name", e->profiles[i].name, "values", changed));
     }
-    if (e->read_settings != NULL) {
-        json_array_append_new(reads, json_string("settings"));
-    }
-    if (e->read_pair != NULL) {
-        json_array_append_new(reads, json_string("pairs"));
-    }
-    json_t *answer =
-        json_pack("{s:s, s:o, s:s, s:s}", "protocol", "plumb.engine/1", "name",
-                  json_sprintf("served-%s", e->name), "version", e->version, "runtime", "native");
-    json_object_update_new(
-        answer,
-        json_pack("{s:s, s:s, s:s, s:s?, s:i, s:o, s:o, s:o, s:o, s:o}", "precision",
-                  precisions[e->precision], "integrator", integrators[e->integrator], "gyroscopic",
-                  gyroscopics[e->gyroscopic], "residual_unit", e->residual_unit, "substeps",
-                  e->substeps, "capabilities", capabilities, "contacts", contacts, "options",
-                  options, "profiles", profiles, "reads", reads));
+    json_t *answer = pl_hello_write(e, defaults);
+    json_object_set_new(answer, "name", json_sprintf("served-%s", e->name));
     return answer;
 }
 

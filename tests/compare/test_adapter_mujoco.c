@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#ifdef PLUMB_HAVE_MUJOCO
+#ifdef PLUMB_HAVE_ENGINE
 #include <mujoco/mujoco.h>
 
 /* The model as MuJoCo's own tools would load it. */

@@ -1,6 +1,6 @@
 /* Faces of hulls: laws of convex polyhedra (Euler's formula, supporting planes, the volume under
  * the faces), on solids with known faces and on random ones. */
-#include "adapters/hull_faces.h"
+#include "adapters/ode/hull_faces.c" /* which is not linked where ODE is absent */
 #include "check.h"
 #include "engine_run.h"
 #include "polyhedra.h"

@@ -8,26 +8,17 @@ cat >main.c <<'C'
 #include "adapters/built_in.h"
 
 #include <stdio.h>
-#include <string.h>
 
-const pl_engine *pl_engine_plumb(void)
-{
-    return NULL;
-}
+const pl_built_in pl_built_in_table[] = {
+    {.name = "mine", .package = "@a/mine", .libraries = "", .script = "mine.mjs in-test"}};
+const int pl_built_in_count = 1;
 
 int main(void)
 {
     char command[4200];
     int count;
-    const pl_built_in *all = pl_built_in_engines(&count);
-    for (int i = 0; i < count; ++i) {
-        if (strcmp(all[i].name, "rapier-deterministic") == 0 &&
-            pl_built_in_command(&all[i], command, sizeof command)) {
-            puts(command);
-            return 0;
-        }
-    }
-    return 1;
+    const pl_built_in *mine = pl_built_in_engines(&count);
+    return pl_built_in_command(mine, command, sizeof command) && puts(command) >= 0 ? 0 : 1;
 }
 C
 # Prints what node gets from the command that the program in this folder makes.
@@ -41,18 +32,18 @@ printf '#!/bin/sh\nprintf "%%s|" "$@"\n' >bin/node
 chmod +x bin/node
 export XDG_DATA_HOME=$directory/data
 found=$(node_gets "$folder")
-[[ $found == "$folder/lib/plumb/web/rapier.mjs|deterministic|" ]] || note_failure "node gets: $found"
+[[ $found == "$folder/lib/plumb/web/mine.mjs|in-test|" ]] || note_failure "node gets: $found"
 # The user's packages count where the program has none.
-module=plumb/web/node_modules/@dimforge/rapier3d-deterministic-compat
+module=plumb/web/node_modules/@a/mine
 mkdir -p "$XDG_DATA_HOME/$module"
 touch "$XDG_DATA_HOME/$module/package.json"
 found=$(node_gets "$folder")
-[[ $found == "$XDG_DATA_HOME/plumb/web/rapier.mjs|deterministic|" ]] || note_failure "of the user, node gets: $found"
+[[ $found == "$XDG_DATA_HOME/plumb/web/mine.mjs|in-test|" ]] || note_failure "of the user, node gets: $found"
 # An installed program has its folder of libraries beside its own.
 mkdir -p usr/bin usr/lib/plumb/web
 cp "$folder/main" usr/bin
 touch usr/lib/plumb/web/package.json
 unset XDG_DATA_HOME
 found=$(HOME=$directory/nobody node_gets usr/bin)
-[[ $found == "$directory/usr/bin/../lib/plumb/web/rapier.mjs|deterministic|" ]] || note_failure "installed, node gets: $found"
+[[ $found == "$directory/usr/bin/../lib/plumb/web/mine.mjs|in-test|" ]] || note_failure "installed, node gets: $found"
 exit $failed

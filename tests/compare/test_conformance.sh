@@ -3,14 +3,15 @@
 set -eu
 source "$SOURCE/tests/support/command.sh"
 
+source "$SOURCE/compare/packages.sh"
 readarray -t specs < <("$PLUMB" list engines --json | python3 -c '
 import json, sys
 for engine in json.load(sys.stdin):
-    if engine["name"] not in ("plumb", "ode", "bullet", "mujoco"):
+    if engine["name"] not in sys.argv[1:]:
         continue
     for profile in engine.get("profiles", []):
         if profile["in_default_comparison"]:
-            print(engine["name"] + ":" + profile["name"])')
+            print(engine["name"] + ":" + profile["name"])' $(engines linked))
 [[ ${#specs[@]} -ge 3 ]] || note_failure "plumb alone has three profiles in the default comparison: ${specs[*]}"
 
 actual=0

@@ -8,7 +8,7 @@ esbuild=$BUILD/compare/report/page/node_modules/.bin/esbuild
 # bundle FOLDER ESBUILD: makes FOLDER/page.html without three and Plot.
 bundle() {
     mkdir "$1"
-    cmake -DSOURCE="$SOURCE/compare/report/page" -DBUILD="$directory/$1" -DESBUILD="$2" -DFULL=OFF \
+    cmake -DSOURCE="$SOURCE/compare/report/page" -DBUILD="$directory/$1" -DESBUILD="$2" -DFULL=OFF -DHUES='{}' \
         -P "$SOURCE/compare/report/page/bundle.cmake" >out 2>&1 || note_failure "$1: $(cat out)"
     local hash
     hash=$(python3 -c 'import base64, hashlib, sys; print(base64.b64encode(hashlib.sha256(open(sys.argv[1], "rb").read()).digest()).decode())' \

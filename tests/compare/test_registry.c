@@ -122,21 +122,17 @@ static void in_folder(const char *rest, char spec[256])
 static void test_engines_are_listed_with_plumb_first(void **state)
 {
     (void)state;
-    static const char *const names[] = {"plumb", "ode",     "bullet", "mujoco",
-                                        "dart",  "mujoco3", "rapier", "rapier-deterministic",
-                                        "jolt",  "physx",   "havok",  "cannon"};
     int count = 0;
     const pl_built_in *known = pl_built_in_engines(&count);
-    assert_int_equal(count, (int)(sizeof names / sizeof *names));
+    assert_string_equal(known[0].name, "plumb");
     for (int i = 0; i < count; ++i) {
-        assert_string_equal(known[i].name, names[i]);
         assert_non_null(known[i].package);
         if (known[i].entry != NULL) {
             const pl_engine_info *info = NULL;
             assert_int_equal(pl_engine_of_build(&known[i], &info, NULL), PL_OK);
-            assert_string_equal(info->name, names[i]);
+            assert_string_equal(info->name, known[i].name);
         } else if (!pl_built_in_is_present(&known[i])) {
-            assert_refused(names[i], PL_UNSUPPORTED, names[i], known[i].package);
+            assert_refused(known[i].name, PL_UNSUPPORTED, known[i].name, known[i].package);
         }
     }
 }

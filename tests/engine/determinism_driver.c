@@ -3,7 +3,7 @@
  * are divided among threads.
  *
  *   determinism_driver [THREADS]      golden_hashes.txt holds what it prints, for any number of threads */
-#include "adapters/built_in.h"
+#include "adapters/plumb/adapter_plumb.h"
 #include "plumb/scenario.h"
 
 #include <stdio.h>

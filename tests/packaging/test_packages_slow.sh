@@ -25,7 +25,9 @@ usr=$directory/root/usr
 export PATH=$usr/bin:$PATH
 gives 'plumb:default .* accurate' plumb compare tower --engine plumb --out report
 [[ -s report/index.html ]] || note_failure "no report/index.html"
-[[ $(ls packages) != *plumb-dart* ]] || gives '^dart  *[0-9]' plumb doctor
+for engine in $(ls packages | sed -nE 's/^plumb-(.*)_.*_.*/\1/p'); do
+    gives "^$engine  *[0-9]" plumb doctor
+done
 gives 'absent: .*/plumb/web/get-engines gets it|^jolt ' plumb list engines
 [[ $(plumb --version) == "plumb $(sed -n 's/^#define PLUMB_VERSION "\(.*\)".*/\1/p' "$SOURCE/engine/include/plumb/version.h") "* ]] ||
     note_failure "$(plumb --version) is not the version of version.h"

@@ -41,7 +41,7 @@ add_subdirectory($SOURCE plumb EXCLUDE_FROM_ALL)
 add_library(my_engine MODULE $SOURCE/compare/template/engine.c $SOURCE/compare/template/sphere_world.c)
 target_link_libraries(my_engine PRIVATE plumb::engine_abi m)
 END_CMAKE
-PKG_CONFIG_LIBDIR=$directory/modules quietly cmake -S outer -B all -G Ninja -DPLUMB_DART=OFF -DNPM=OFF
+PKG_CONFIG_LIBDIR=$directory/modules quietly cmake -S outer -B all -G Ninja -DPLUMB_ADAPTER_MODULES=OFF -DNPM=OFF
 ! grep -q '^CMAKE_CXX_COMPILER' all/CMakeCache.txt || note_failure "a C++ compiler was asked for"
 ! grep -q 'CMAKE_BUILD_TYPE:[A-Z]*=Release' all/CMakeCache.txt || note_failure "the outer project's build type was set"
 quietly cmake --build all

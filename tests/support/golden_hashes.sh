@@ -10,7 +10,7 @@ build_driver() {
     local name=$1 compiler=$2 flags=$3
     shift 3
     cmake -S "$SOURCE" -B "$folder/$name" -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_C_COMPILER="$compiler" \
-        -DCMAKE_C_FLAGS="$flags" -DPLUMB_DART=OFF "$@" >"$folder/log" 2>&1 &&
+        -DCMAKE_C_FLAGS="$flags" -DPLUMB_ADAPTER_MODULES=OFF "$@" >"$folder/log" 2>&1 &&
         cmake --build "$folder/$name" --target determinism_driver >"$folder/log" 2>&1 || {
         cat "$folder/log" >&2
         return 1

@@ -19,7 +19,6 @@
  * more than a warning. Such a warning ends the run. */
 #include "mujoco_instance.h"
 
-#include "adapters/built_in.h"
 #include "plumb/adapter_helpers.h"
 #include "plumb/base.h"
 
@@ -413,6 +412,9 @@ static pl_engine engine = {
     .sources = sources,
     .source_count = sizeof sources / sizeof *sources,
 };
+
+/* The table of built-in engines calls it. */
+const pl_engine *pl_engine_mujoco(void);
 
 const pl_engine *pl_engine_mujoco(void)
 {

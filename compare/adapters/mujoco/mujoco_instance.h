@@ -1,7 +1,7 @@
 /* A scene in MuJoCo, as the files of this folder share it.
  *
- * MuJoCo's conventions: quaternions (w, x, y, z) are ours; a free joint's velocity is that of the origin of its body's
- * frame in the world's axes, its angular velocity in the body's; a contact's normal points from its
+ * MuJoCo's conventions: quaternions are (w, x, y, z), as those of the engine ABI; a free joint's
+ * velocity is that of the origin of its body's frame in the world's axes, its angular velocity in the body's; a contact's normal points from its
  * first geom to its second, its distance is negative in penetration, its force acts on the second. */
 #ifndef PLUMB_MUJOCO_INSTANCE_H
 #define PLUMB_MUJOCO_INSTANCE_H

@@ -16,7 +16,6 @@
  * The space is dHashSpace, as in ODE's own demos. ODE has no islands, residual or iteration count
  * to report: `quick` runs exactly the sweeps it is set to, and that number is reported; `dantzig`
  * reports none. */
-#include "adapters/built_in.h"
 #include "ode_instance.h"
 #include "ode_shapes.h"
 #include "plumb/adapter_helpers.h"
@@ -408,6 +407,9 @@ static const pl_engine engine = {
     .sources = sources,
     .source_count = sizeof sources / sizeof *sources,
 };
+
+/* The table of built-in engines calls it. */
+const pl_engine *pl_engine_ode(void);
 
 const pl_engine *pl_engine_ode(void)
 {

@@ -1,7 +1,7 @@
 /* An ODE world of a scene, as the files of this folder share it.
  *
- * ODE's conventions: quaternions (w, x, y, z) and world angular velocity are ours; a contact's
- * normal points into the first geom and its depth is positive; a joint's feedback is the force on
+ * ODE's conventions: quaternions are (w, x, y, z) and angular velocities are the world's, as those of
+ * the engine ABI; a contact's normal points into the first geom and its depth is positive; a joint's feedback is the force on
  * each of its bodies, where a joint with one body only has it as its first. */
 #ifndef PLUMB_ODE_INSTANCE_H
 #define PLUMB_ODE_INSTANCE_H

@@ -2,7 +2,7 @@
 #ifndef PLUMB_ODE_SHAPES_H
 #define PLUMB_ODE_SHAPES_H
 
-#include "adapters/hull_faces.h"
+#include "hull_faces.h"
 #include "plumb/scene.h"
 
 #include <ode/ode.h>

@@ -1,30 +1,13 @@
 #include "hello.h"
 
 #include "base/json_field.h"
+#include "hello_words.h"
 #include "plumb/scenario.h"
 
 #include <math.h>
 #include <string.h>
 
-static const char PROTOCOL[] = "plumb.engine/1";
-
 /* ---- Words ---- */
-
-static const char *const precisions[] = {
-    [PL_PRECISION_DOUBLE] = "double", [PL_PRECISION_FLOAT] = "float", NULL};
-static const char *const integrators[] = {[PL_INTEGRATOR_UNKNOWN] = "unknown",
-                                          [PL_INTEGRATOR_SEMI_IMPLICIT_EULER] =
-                                              "semi-implicit Euler",
-                                          [PL_INTEGRATOR_EXPLICIT_EULER] = "explicit Euler",
-                                          [PL_INTEGRATOR_MIDPOINT] = "midpoint",
-                                          NULL};
-static const char *const gyroscopics[] = {[PL_GYROSCOPIC_UNKNOWN] = "unknown",
-                                          [PL_GYROSCOPIC_NONE] = "none",
-                                          [PL_GYROSCOPIC_EXPLICIT] = "explicit",
-                                          [PL_GYROSCOPIC_IMPLICIT] = "implicit",
-                                          NULL};
-static const char *const contacts[] = {"points", "impulses", "torques", NULL};
-static const char *const readings[] = {"settings", "pairs", NULL};
 
 /* The index of `word` among `words`, which end with NULL; -1: it is none of them. */
 static int find_word(const char *const *words, const char *word)

@@ -39,11 +39,11 @@ export function settings(report) {
 }
 
 export function words(report) {
-  const here = (report.words?.engines ?? []).filter((name) => report.engines.some((e) => e.engine === name));
+  const here = [...new Set(report.engines.map((e) => e.engine))].filter((name) => report.words?.[name]);
   if (here.length === 0) return null;
   return section('words', 'What words mean in each engine',
     p('The same word is not the same thing in every engine. This is how the numbers of the scene and the options reach each of them, and what could not be mapped.'),
-    table({ caption: 'Parameters and their mapping', columns: [{ name: 'word' }, ...here.map((name) => ({ name, wide: true }))], rows: report.words.words.map((w) => [w.word, ...here.map((e) => w.means[e] ?? '–')]), most: 12 }));
+    table({ caption: 'Parameters and their mapping', columns: [{ name: 'word' }, ...here.map((name) => ({ name, wide: true }))], rows: Object.keys(report.words[here[0]]).map((word) => [word, ...here.map((e) => report.words[e][word] ?? '–')]), most: 12 }));
 }
 
 export function fairness() {

@@ -1,7 +1,7 @@
 # Makes BUILD/page.html of page.html, page.css and main.js: cmake -DSOURCE=... -DBUILD=... -DESBUILD=...
-# -DFULL=ON|OFF -P bundle.cmake. The content security policy allows this one script, and no request.
+# -DFULL=ON|OFF -DHUES=JSON -P bundle.cmake. The content security policy allows this one script, and no request.
 set(options --bundle --minify --format=iife --target=es2022 --charset=utf8 --legal-comments=none
-  --log-level=warning)
+  --log-level=warning --define:HUES=${HUES})
 if(FULL)
   set(ENV{NODE_PATH} ${BUILD}/node_modules)
   list(APPEND options --define:FULL=true)

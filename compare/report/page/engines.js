@@ -1,7 +1,7 @@
 /* One colour and one line pattern for each engine configuration, the same in every picture: the hue is
- * the engine's, profiles differ in lightness and dashes. The hues are those of Okabe and Ito 2008. */
-const hues = { plumb: '#0072b2', ode: '#d55e00', bullet: '#009e73', mujoco: '#cc79a7', jolt: '#e69f00', dart: '#56b4e9' };
-const others = ['#8a6d00', '#7f5fc4', '#5b7083', '#b0413e', '#2a8f9e', '#946b2d'];
+ * the engine's, profiles differ in lightness and dashes. HUES has that of each built-in engine, by
+ * its engine.json; six are those of Okabe and Ito 2008. */
+const others = ['#4d4d4d', '#a6761d', '#1b7837', '#762a83'];
 const dashes = ['', '6 3', '2 3', '8 3 2 3', '1 4'];
 
 function shade(hex, part) {
@@ -19,7 +19,7 @@ export function styles(engines) {
   let spare = 0;
   for (const { name, engine } of engines) {
     const family = engine || name.split(':')[0];
-    if (!(family in seen)) seen[family] = { hue: hues[family] ?? others[spare++ % others.length], count: 0 };
+    if (!(family in seen)) seen[family] = { hue: HUES[family] ?? others[spare++ % others.length], count: 0 };
     const k = seen[family].count++;
     found.set(name, { colour: shade(seen[family].hue, [0, 0.35, -0.35, 0.55, -0.5][k % 5]), dash: dashes[k % dashes.length] });
   }

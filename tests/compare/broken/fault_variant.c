@@ -1,7 +1,7 @@
 /* Passes every call on to the inner engine. */
 #include "fault_variant.h"
 
-#include "adapters/built_in.h"
+#include "adapters/plumb/adapter_plumb.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -14,7 +14,6 @@
  *
  * nncg ends every sweep by a step along its search direction that is not bounded again (3.24,
  * btNNCGConstraintSolver.cpp), so that of several contact points one may be left pulling. */
-#include "built_in.h"
 #include "bullet_c.h"
 #include "plumb/adapter_helpers.h"
 #include "plumb/scenario.h"
@@ -403,6 +402,9 @@ static const pl_engine engine = {
     .sources = sources,
     .source_count = sizeof sources / sizeof *sources,
 };
+
+/* The table of built-in engines calls it. */
+const pl_engine *pl_engine_bullet(void);
 
 const pl_engine *pl_engine_bullet(void)
 {

@@ -1,7 +1,8 @@
-/* Our own engine behind the engine ABI. Uses only the engine's public interface. */
+/* The built-in engine behind the engine ABI. Uses only its public interface. */
+#include "adapter_plumb.h"
+
+#include "adapters/contact_problems.h"
 #include "base/array.h"
-#include "built_in.h"
-#include "contact_problems.h"
 #include "plumb/contact_problem.h"
 #include "plumb/contact_times.h"
 #include "plumb/engine.h"
@@ -420,7 +421,7 @@ const pl_engine *pl_engine_plumb(void)
         .struct_size = sizeof(pl_engine),
         .abi_version = PL_ENGINE_ABI_VERSION,
         .name = "plumb",
-        .version = PLUMB_VERSION,
+        .version = PLUMB_PLUMB_VERSION,
         .description = "this project's own engine",
         .residual_unit = "m/s",
         .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION |
