@@ -10,11 +10,12 @@
 
 enum { EXIT_FAILED = 3 }; /* PL_EXIT_FAILED of the command */
 
+const char pl_out_of_memory_message[] =
+    "plumb: out of memory; runs that ended are in their results.jsonl\n";
+
 _Noreturn void pl_out_of_memory(void)
 {
-    static const char message[] =
-        "plumb: out of memory; runs that ended are in their results.jsonl\n";
-    (void)!write(STDERR_FILENO, message, sizeof message - 1);
+    (void)!write(STDERR_FILENO, pl_out_of_memory_message, strlen(pl_out_of_memory_message));
     _exit(EXIT_FAILED);
 }
 

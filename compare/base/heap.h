@@ -9,8 +9,9 @@
 
 #include <stddef.h>
 
-/* Ends the process with the message and exit code 3. */
+/* Ends the process with this message, a line, and exit code 3. */
 _Noreturn void pl_out_of_memory(void);
+extern const char pl_out_of_memory_message[];
 
 /* Makes jansson end the process in the same way: its functions then fail only for wrong arguments. Call it before
  * the first of them. */

@@ -117,16 +117,14 @@ static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store,
                                   .bar = &bar,
                                   .user = &k,
                                   .skip = has_result};
-    long searches = 0, due = 0;
+    long searches = 0;
     pl_metric *tolerances = NULL;
     pl_status status = pl_tolerance_most_runs(&def, &searches, error);
-    if (status == PL_OK) {
-        status = pl_execution_due(&execution, &due, error);
-    }
     if (status != PL_OK) {
         return status;
     }
-    bar = pl_progress_begin(stderr, searches + due, pl_monotonic_seconds());
+    bar =
+        pl_progress_begin(stderr, searches + pl_execution_due(&execution), pl_monotonic_seconds());
     execution.bar = &bar;
     status = pl_tolerance_search(&def, &tolerances, signal_number, error);
     k.tolerances = tolerances;

@@ -1,5 +1,6 @@
 #include "conformance_record.h"
 
+#include "base/heap.h"
 #include "base/json_field.h"
 #include "result.h"
 #include "store.h"
@@ -19,24 +20,16 @@ static const char *variable(const char *name)
     return value == NULL || value[0] == '\0' ? NULL : value;
 }
 
-/* Writes the folder of the records; false when there is none, or no memory for its name. */
+/* The folder of the records, malloc'd; false when there is none. */
 static bool cache_folder(char **folder)
 {
     const char *own = variable("PLUMB_CACHE");
     const char *caches = variable("XDG_CACHE_HOME");
     const char *home = variable("HOME");
-    int length = -1;
-    *folder = NULL;
-    if (own != NULL) {
-        length = asprintf(folder, "%s", own);
-    } else if (caches != NULL) {
-        length = asprintf(folder, "%s/plumb", caches);
-    } else if (home != NULL) {
-        length = asprintf(folder, "%s/.cache/plumb", home);
-    }
-    if (length < 0) {
-        *folder = NULL;
-    }
+    *folder = own != NULL      ? pl_heap_copy(own)
+              : caches != NULL ? pl_heap_format("%s/plumb", caches)
+              : home != NULL   ? pl_heap_format("%s/.cache/plumb", home)
+                               : NULL;
     return *folder != NULL;
 }
 
@@ -49,19 +42,16 @@ static void make_safe(char *name)
     }
 }
 
-/* The path of a record: malloc'd; NULL when out of memory. */
+/* The path of a record: malloc'd. */
 static char *record_path(const char *folder, const pl_engine_info *engine, const char *profile)
 {
     char names[2][PL_NAME_SIZE];
-    char *path = NULL;
     snprintf(names[0], sizeof names[0], "%s", engine->name);
     snprintf(names[1], sizeof names[1], "%s", profile);
     make_safe(names[0]);
     make_safe(names[1]);
-    return asprintf(&path, "%s/conformance-%s-%s-%s.json", folder, engine->binary, names[0],
-                    names[1]) < 0
-               ? NULL
-               : path;
+    return pl_heap_format("%s/conformance-%s-%s-%s.json", folder, engine->binary, names[0],
+                          names[1]);
 }
 
 /* ---- Writing ---- */
@@ -88,9 +78,7 @@ pl_status pl_conformance_record_write(const pl_engine_info *engine, const char *
     }
     char *path = record_path(folder, engine, profile);
     json_t *record = record_of(engine, profile, checks, failed, skipped);
-    pl_status status = path == NULL || record == NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for a conformance record")
-                           : pl_make_directories(folder, error);
+    pl_status status = pl_make_directories(folder, error);
     if (status == PL_OK) {
         status = pl_results_write_json(path, record, error);
     }
@@ -136,7 +124,7 @@ json_t *pl_conformance_record_read(const pl_engine_info *engine, const char *pro
         return NULL;
     }
     char *path = record_path(folder, engine, profile);
-    json_t *record = path == NULL ? NULL : json_load_file(path, JSON_REJECT_DUPLICATES, NULL);
+    json_t *record = json_load_file(path, JSON_REJECT_DUPLICATES, NULL);
     free(path);
     free(folder);
     if (!is_record(record, engine, profile)) {

@@ -3,6 +3,7 @@
 #include "result.h"
 
 #include "base/hash.h"
+#include "base/heap.h"
 #include "base/json_write.h"
 #include "base/thread_pool.h"
 
@@ -82,10 +83,7 @@ char *pl_result_to_line(const json_t *result)
 {
     pl_text_buffer text = {0};
     pl_text_add_json_tree(&text, result, PL_JSON_COMPACT);
-    if (text.failed) {
-        pl_text_free(&text);
-    }
-    return text.data;
+    return pl_text_take(&text);
 }
 
 void pl_timestamp(char text[32])
@@ -101,10 +99,10 @@ void pl_timestamp(char text[32])
 }
 
 /* An integral parameter is written as an integer. */
-static int set_number(json_t *object, const char *name, double value, bool integer)
+static void set_number(json_t *object, const char *name, double value, bool integer)
 {
-    return json_object_set_new(
-        object, name, integer ? json_integer((json_int_t)value) : pl_json_number_or_null(value));
+    json_object_set_new(object, name,
+                        integer ? json_integer((json_int_t)value) : pl_json_number_or_null(value));
 }
 
 /* The time step and the duration of a scene file are no parameters, unless they were given. */
@@ -113,10 +111,8 @@ static json_t *params_json(const pl_run_view *run)
     json_t *params = json_object();
     for (int i = 0; i < run->descriptor->param_count; ++i) {
         const pl_param *param = &run->descriptor->params[i];
-        if (!isnan(run->params[i]) &&
-            set_number(params, param->name, run->params[i], param->integer) != 0) {
-            json_decref(params);
-            return NULL;
+        if (!isnan(run->params[i])) {
+            set_number(params, param->name, run->params[i], param->integer);
         }
     }
     return params;
@@ -125,15 +121,11 @@ static json_t *params_json(const pl_run_view *run)
 static json_t *settings_json(const pl_run_view *run)
 {
     json_t *settings = json_object();
-    int failed = set_number(settings, "dt", run->dt, false);
-    failed |= set_number(settings, "duration", run->duration, false);
+    set_number(settings, "dt", run->dt, false);
+    set_number(settings, "duration", run->duration, false);
     for (int i = 0; i < run->engine->option_count; ++i) {
         const pl_engine_option *option = &run->engine->options[i];
-        failed |= set_number(settings, option->name, run->options[i], option->integer);
-    }
-    if (failed != 0) {
-        json_decref(settings);
-        return NULL;
+        set_number(settings, option->name, run->options[i], option->integer);
     }
     return settings;
 }
@@ -141,11 +133,8 @@ static json_t *settings_json(const pl_run_view *run)
 /* The SPEC of the engine and its profile: what plumb check-engine takes. */
 static json_t *spec_json(const pl_run_view *run)
 {
-    char *spec = NULL;
     const pl_engine_info *engine = run->engine;
-    if (asprintf(&spec, "%s:%s", engine->spec, engine->profiles[run->profile].name) < 0) {
-        return NULL;
-    }
+    char *spec = pl_heap_format("%s:%s", engine->spec, engine->profiles[run->profile].name);
     json_t *text = pl_json_text(spec, strlen(spec));
     free(spec);
     return text;
@@ -179,49 +168,33 @@ json_t *pl_run_identity(const pl_run_view *run)
         "scene_hash", run->scene_hash, "engine", run->engine->name, "engine_version",
         run->engine->version, "profile", run->engine->profiles[run->profile].name, "settings",
         settings_json(run), "seed", (json_int_t)run->seed, "repeat", run->repeat);
-    int incomplete =
-        json_object_set_new(identity, "engine_binary", json_string(run->engine->binary));
+    json_object_set_new(identity, "engine_binary", json_string(run->engine->binary));
     if (run->is_member) {
-        incomplete |= json_object_set_new(identity, "member", json_integer(run->member));
+        json_object_set_new(identity, "member", json_integer(run->member));
     }
     if (run->change != NULL) {
-        incomplete |= json_object_set_new(identity, "change", json_string(run->change));
+        json_object_set_new(identity, "change", json_string(run->change));
     }
     if (run->study != NULL) {
-        incomplete |= json_object_set(identity, "study", run->study);
+        json_object_set(identity, "study", run->study);
     }
     if (run->label_is_given) {
-        incomplete |=
-            json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
+        json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
     }
-    if (incomplete != 0) {
-        json_decref(identity);
-        return NULL;
-    }
-    char *text = identity == NULL ? NULL : pl_result_to_line(identity);
-    if (text == NULL) {
-        json_decref(identity);
-        return NULL;
-    }
+    char *text = pl_result_to_line(identity);
     char hash[PL_HASH_TEXT_SIZE];
     pl_hash_hex(pl_hash_text(PL_HASH_START, text), hash);
     free(text);
-    int failed = json_object_set_new(identity, "run", json_string(hash));
-    failed |= json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
-    failed |= json_object_set_new(identity, "primary_error", json_string(run->primary_error));
-    failed |= json_object_set_new(identity, "acceptance", pl_json_number_or_null(run->acceptance));
-    failed |= json_object_set_new(identity, "engine_spec", spec_json(run));
-    failed |= json_object_set_new(identity, "engine_runtime",
-                                  json_string(pl_engine_runtime(run->engine)));
-    failed |= json_object_set_new(identity, "threads",
-                                  json_integer(pl_engine_threads(run->engine, run->options)));
-    failed |= json_object_set_new(identity, "as_shipped", json_boolean(is_as_shipped(run)));
-    failed |=
-        json_object_set_new(identity, "conformance", pl_conformance_to_json(&run->conformance));
-    if (failed != 0) {
-        json_decref(identity);
-        return NULL;
-    }
+    json_object_set_new(identity, "run", json_string(hash));
+    json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
+    json_object_set_new(identity, "primary_error", json_string(run->primary_error));
+    json_object_set_new(identity, "acceptance", pl_json_number_or_null(run->acceptance));
+    json_object_set_new(identity, "engine_spec", spec_json(run));
+    json_object_set_new(identity, "engine_runtime", json_string(pl_engine_runtime(run->engine)));
+    json_object_set_new(identity, "threads",
+                        json_integer(pl_engine_threads(run->engine, run->options)));
+    json_object_set_new(identity, "as_shipped", json_boolean(is_as_shipped(run)));
+    json_object_set_new(identity, "conformance", pl_conformance_to_json(&run->conformance));
     return identity;
 }
 
@@ -249,29 +222,21 @@ static json_t *metric_json(const pl_metric *metric, const pl_metric_info *info)
     json_t *object =
         json_pack("{s:o, s:s, s:s, s:b}", "value", value, "unit", unit, "direction",
                   direction_name(info->direction), "deterministic", (int)info->deterministic);
-    if (object == NULL) {
-        return NULL;
-    }
-    int failed = 0;
     if (!has_value && metric->state != PL_METRIC_TEXT) {
         const char *reason = metric->reason[0] != '\0' ? metric->reason : "the value is not finite";
-        failed |= json_object_set_new(object, "reason", pl_json_text(reason, strlen(reason)));
+        json_object_set_new(object, "reason", pl_json_text(reason, strlen(reason)));
     }
     if (has_value && metric->has_percentiles) {
-        failed |= json_object_set_new(object, "p50", pl_json_number_or_null(metric->p50));
-        failed |= json_object_set_new(object, "p95", pl_json_number_or_null(metric->p95));
-        failed |= json_object_set_new(object, "p99", pl_json_number_or_null(metric->p99));
-        failed |= json_object_set_new(object, "worst_step", json_integer(metric->worst_step));
+        json_object_set_new(object, "p50", pl_json_number_or_null(metric->p50));
+        json_object_set_new(object, "p95", pl_json_number_or_null(metric->p95));
+        json_object_set_new(object, "p99", pl_json_number_or_null(metric->p99));
+        json_object_set_new(object, "worst_step", json_integer(metric->worst_step));
     }
     if (has_value && metric->part != NULL) {
-        failed |= json_object_set_new(object, "part", json_string(metric->part));
+        json_object_set_new(object, "part", json_string(metric->part));
     }
     if (has_value && metric->answer > 0) {
-        failed |= json_object_set_new(object, "answer", json_integer(metric->answer));
-    }
-    if (failed != 0) {
-        json_decref(object);
-        return NULL;
+        json_object_set_new(object, "answer", json_integer(metric->answer));
     }
     return object;
 }
@@ -282,10 +247,8 @@ static json_t *metrics_json(const pl_metrics *metrics)
     for (int id = 0; id < PL_METRIC_COUNT; ++id) {
         const pl_metric *metric = &metrics->item[id];
         const pl_metric_info *info = &pl_metric_table[id];
-        if (metric->state != PL_METRIC_ABSENT &&
-            json_object_set_new(object, info->name, metric_json(metric, info)) != 0) {
-            json_decref(object);
-            return NULL;
+        if (metric->state != PL_METRIC_ABSENT) {
+            json_object_set_new(object, info->name, metric_json(metric, info));
         }
     }
     return object;
@@ -301,10 +264,7 @@ json_t *pl_pose_to_json(const double pose[PL_POSE_NUMBERS])
 {
     json_t *row = json_array();
     for (int i = 0; i < PL_POSE_NUMBERS; ++i) {
-        if (json_array_append_new(row, json_real(pose[i])) != 0) {
-            json_decref(row);
-            return NULL;
-        }
+        json_array_append_new(row, json_real(pose[i]));
     }
     return row;
 }
@@ -318,10 +278,7 @@ static json_t *poses_json(const pl_body_state *bodies, int body_count)
     for (int i = 0; i < body_count; ++i) {
         double pose[PL_POSE_NUMBERS];
         pl_pose_of(&bodies[i], pose);
-        if (json_array_append_new(poses, pl_pose_to_json(pose)) != 0) {
-            json_decref(poses);
-            return NULL;
-        }
+        json_array_append_new(poses, pl_pose_to_json(pose));
     }
     return poses;
 }

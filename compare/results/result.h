@@ -2,7 +2,7 @@
  *
  * A result has four parts, made in different places: which run it is (pl_run_view), its outcome
  * (pl_run_result, made in the run's own process), what it printed, and where it was made (host,
- * build, command). JSON values returned here are new references; NULL means out of memory. */
+ * build, command). JSON values returned here are new references. */
 #ifndef PLUMB_RESULT_H
 #define PLUMB_RESULT_H
 
@@ -131,7 +131,7 @@ void pl_timestamp(char text[32]);
 /* One line without a newline: sorted keys, 17 significant digits. malloc'd. */
 char *pl_result_to_line(const json_t *result);
 
-/* Adds the same with a newline. `failed` of the text is set when out of memory, and for NULL. */
+/* Adds the same with a newline. NULL sets `failed` of the text. */
 void pl_result_add_line(pl_text_buffer *text, const json_t *result);
 
 /* Whether the metric `id`, with its object in a result, is deterministic: as the object says, else

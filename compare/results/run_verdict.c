@@ -186,15 +186,14 @@ static pl_verdict judge(const json_t *result, char *reason, size_t size)
 }
 
 /* Sets `verdict` and `verdict_reason`. */
-static bool add_verdict(json_t *result)
+static void add_verdict(json_t *result)
 {
     char reason[1024] = "";
     const pl_verdict verdict = judge(result, reason, sizeof reason);
     json_t *name = verdict == PL_VERDICT_UNJUDGED ? json_null() : json_string(names[verdict]);
     json_t *text = reason[0] == '\0' ? json_null() : pl_json_text(reason, strlen(reason));
-    const int failed = json_object_set_new(result, "verdict", name) |
-                       json_object_set_new(result, "verdict_reason", text);
-    return failed == 0;
+    json_object_set_new(result, "verdict", name);
+    json_object_set_new(result, "verdict_reason", text);
 }
 
 json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,
@@ -203,11 +202,9 @@ json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance,
     json_t *result = json_pack(
         "{s:s, s:o, s:s}", "schema", "plumb.result/1", "output",
         output_length == 0 ? json_null() : pl_json_text(output, output_length), "started", started);
-    if (result == NULL || json_object_update(result, identity) != 0 ||
-        json_object_update(result, outcome) != 0 || json_object_update(result, provenance) != 0 ||
-        !add_verdict(result)) {
-        json_decref(result);
-        return NULL;
-    }
+    json_object_update(result, identity);
+    json_object_update(result, outcome);
+    json_object_update(result, provenance);
+    add_verdict(result);
     return result;
 }

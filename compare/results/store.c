@@ -1,5 +1,6 @@
 #include "store.h"
 
+#include "base/heap.h"
 #include "base/json_field.h"
 #include "base/json_write.h"
 #include "result.h"
@@ -32,9 +33,6 @@ static pl_status read_line(const char *line, size_t length, const char *expected
 {
     json_error_t fault;
     json_t *result = json_loadb(line, length, JSON_REJECT_DUPLICATES, &fault);
-    if (result == NULL && pl_json_lacked_memory(&fault)) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory at line %ld", path, number);
-    }
     if (result == NULL) {
         return pl_fail(error, PL_BAD_INPUT, "%s:%ld:%d: %s", path, number, fault.column,
                        fault.text);
@@ -49,9 +47,7 @@ static pl_status read_line(const char *line, size_t length, const char *expected
         json_decref(result);
         return status;
     }
-    if (json_array_append_new(results, result) != 0) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory at line %ld", path, number);
-    }
+    json_array_append_new(results, result);
     return PL_OK;
 }
 
@@ -65,9 +61,6 @@ static pl_status read_lines(FILE *stream, const char *schema, const char *path, 
     long number = 0;
     pl_status status = PL_OK;
     json_t *read = json_array();
-    if (read == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
-    }
     ssize_t length = 0;
     while (status == PL_OK && (length = getline(&line, &capacity, stream)) > 0 &&
            line[length - 1] == '\n') {
@@ -132,12 +125,7 @@ static pl_status close_written(int file, const char *path, pl_status status, pl_
 
 static pl_status write_by_rename(const char *path, const char *text, size_t length, pl_error *error)
 {
-    const size_t size = strlen(path) + sizeof ".XXXXXX";
-    char *temporary = malloc(size);
-    if (temporary == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
-    }
-    snprintf(temporary, size, "%s.XXXXXX", path);
+    char *temporary = pl_heap_format("%s.XXXXXX", path);
     pl_status status = PL_OK;
     int file = mkstemp(temporary);
     if (file < 0) {
@@ -207,18 +195,16 @@ pl_status pl_results_write_json(const char *path, const json_t *value, pl_error 
     pl_text_buffer text = {0};
     pl_text_add_json_tree(&text, value, PL_JSON_INDENTED);
     pl_text_add(&text, "\n");
-    const pl_status status = text.failed ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
-                                         : pl_write_text(path, text.data, text.length, error);
-    pl_text_free(&text);
+    const size_t length = text.length;
+    char *taken = pl_text_take(&text);
+    const pl_status status = pl_write_text(path, taken, length, error);
+    free(taken);
     return status;
 }
 
 pl_status pl_make_directories(const char *directory, pl_error *error)
 {
-    char *path = strdup(directory);
-    if (path == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
-    }
+    char *path = pl_heap_copy(directory);
     pl_status status = PL_OK;
     for (char *at = path; status == PL_OK && at != NULL;) {
         at = strchr(at + 1, '/');
@@ -237,16 +223,12 @@ pl_status pl_make_directories(const char *directory, pl_error *error)
     return status;
 }
 
-static pl_status note_run(pl_store *store, json_t *result, pl_error *error)
+static void note_run(pl_store *store, json_t *result)
 {
-    const char *run = json_string_value(json_object_get(result, "run"));
-    if (run != NULL && json_object_get(store->runs, run) != NULL) {
-        return PL_OK;
+    const char *run = pl_json_get_text(result, "run");
+    if (json_object_get(store->runs, run) == NULL) {
+        json_object_set(store->runs, run, result);
     }
-    if (run == NULL || json_object_set(store->runs, run, result) != 0) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", store->path);
-    }
-    return PL_OK;
 }
 
 /* Takes over the lines that are there. */
@@ -265,11 +247,9 @@ static pl_status keep_lines(pl_store *store, pl_error *error)
     json_t *result;
     json_array_foreach(kept, index, result)
     {
-        if (status == PL_OK) {
-            status = note_run(store, result, error);
-        }
+        note_run(store, result);
     }
-    return status;
+    return PL_OK;
 }
 
 /* The lock goes with the process, so that nothing is left behind by one that was killed. */
@@ -331,22 +311,14 @@ static pl_status set_aside(pl_store *store, pl_error *error)
 pl_status pl_store_open_file(const char *path, const char *schema, pl_store_mode mode,
                              const char *remedy, pl_store **store, pl_error *error)
 {
-    pl_store *made = calloc(1, sizeof *made);
-    if (made == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
-    }
+    pl_store *made = pl_heap_new(1, sizeof *made);
     made->file = -1;
     made->schema = schema;
     made->results = json_array();
     made->runs = json_object();
-    made->path = strdup(path);
-    if (asprintf(&made->replaced, "%s.replaced", path) < 0) {
-        made->replaced = NULL;
-    }
-    pl_status status =
-        made->path == NULL || made->replaced == NULL || made->results == NULL || made->runs == NULL
-            ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
-            : open_and_lock(made, error);
+    made->path = pl_heap_copy(path);
+    made->replaced = pl_heap_format("%s.replaced", path);
+    pl_status status = open_and_lock(made, error);
     if (status == PL_OK && mode == PL_STORE_NEW &&
         (has_content(path) || has_content(made->replaced))) {
         status = pl_fail(error, PL_BAD_INPUT, "%s %s", path, remedy);
@@ -374,10 +346,7 @@ static pl_status check_others(const char *directory, const char *const *others, 
 {
     pl_status status = PL_OK;
     for (int i = 0; status == PL_OK && others != NULL && others[i] != NULL; ++i) {
-        char *path = NULL;
-        if (asprintf(&path, "%s/%s", directory, others[i]) < 0) {
-            return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
-        }
+        char *path = pl_heap_format("%s/%s", directory, others[i]);
         if (has_content(path)) {
             status =
                 pl_fail(error, PL_BAD_INPUT,
@@ -394,11 +363,8 @@ pl_status pl_store_open(const char *directory, pl_store_mode mode, const char *c
     static const char remedy[] =
         "has results: --resume keeps them and makes the runs that are missing, --force replaces "
         "them, and --out takes another folder";
-    char *path = NULL;
+    char *path = pl_heap_format("%s/results.jsonl", directory);
     pl_status status = pl_make_directories(directory, error);
-    if (status == PL_OK && asprintf(&path, "%s/results.jsonl", directory) < 0) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
-    }
     if (status == PL_OK) {
         status = pl_store_open_file(path, result_schema, mode, remedy, store, error);
     }
@@ -471,11 +437,10 @@ pl_status pl_store_append(pl_store *store, json_t *result, pl_error *error)
 {
     pl_text_buffer line = {0};
     pl_result_add_line(&line, result);
-    const off_t length = (off_t)line.length;
-    pl_status status = line.failed
-                           ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", store->path)
-                           : write_all(store->file, line.data, line.length, store->path, error);
-    pl_text_free(&line);
+    const size_t length = line.length;
+    char *text = pl_text_take(&line);
+    pl_status status = write_all(store->file, text, length, store->path, error);
+    free(text);
     /* A pipe or device cannot be synchronised: EINVAL, and nothing is wrong. */
     if (status == PL_OK && fdatasync(store->file) != 0 && errno != EINVAL) {
         status = pl_fail(error, PL_IO, "%s: %s", store->path, strerror(errno));
@@ -486,9 +451,8 @@ pl_status pl_store_append(pl_store *store, json_t *result, pl_error *error)
         }
         return status;
     }
-    store->size += length;
-    if (json_array_append(store->results, result) != 0) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", store->path);
-    }
-    return note_run(store, result, error);
+    store->size += (off_t)length;
+    json_array_append(store->results, result);
+    note_run(store, result);
+    return PL_OK;
 }

@@ -1,5 +1,6 @@
 #include "execute.h"
 
+#include "base/heap.h"
 #include "base/thread_pool.h"
 #include "isolated_run.h"
 #include "progress.h"
@@ -69,45 +70,41 @@ static json_t *recall(const pl_execution_def *def, const char *run)
         return result;
     }
     char *path = pl_positions_path(def->positions, run);
-    const bool is_whole = path != NULL && access(path, R_OK) == 0;
+    const bool is_whole = access(path, R_OK) == 0;
     free(path);
     return is_whole ? result : NULL;
 }
 
 /* Marks the runs in due (size of the plan), unless that is NULL, and counts them. */
-static pl_status mark_due(const pl_execution_def *def, bool *due, long *count, pl_error *error)
+static long mark_due(const pl_execution_def *def, bool *due)
 {
-    *count = 0;
+    long count = 0;
     for (long i = 0; i < pl_plan_size(def->plan); ++i) {
         pl_planned_run planned = pl_plan_run(def->plan, i);
         json_t *identity = pl_planned_run_identity(def->plan, &planned);
-        if (identity == NULL) {
-            return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
-        }
         const char *run = pl_json_get_text(identity, "run");
         const bool is_due = !is_skipped(def, run) && recall(def, run) == NULL;
-        *count += is_due;
+        count += is_due;
         if (due != NULL) {
             due[i] = is_due;
         }
         json_decref(identity);
     }
-    return PL_OK;
+    return count;
 }
 
-pl_status pl_execution_due(const pl_execution_def *def, long *due, pl_error *error)
+long pl_execution_due(const pl_execution_def *def)
 {
-    return mark_due(def, NULL, due, error);
+    return mark_due(def, NULL);
 }
 
 char *pl_positions_path(const char *folder, const char *run)
 {
-    char *path = NULL;
-    return asprintf(&path, "%s/%s.positions", folder, run) < 0 ? NULL : path;
+    return pl_heap_format("%s/%s.positions", folder, run);
 }
 
 /* Chooses the paths where the slot's run writes its positions and its recording, if it does. */
-static pl_status place_files(const execution *e, slot *s, const json_t *identity, pl_error *error)
+static void place_files(const execution *e, slot *s, const json_t *identity)
 {
     free(s->positions);
     free(s->recording);
@@ -115,17 +112,10 @@ static pl_status place_files(const execution *e, slot *s, const json_t *identity
     if (e->def->recordings != NULL) {
         s->recording =
             pl_recording_path(e->def->recordings, pl_json_get_text(identity, "run"), true);
-        if (s->recording == NULL) {
-            return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
-        }
     }
     if (e->def->positions != NULL) {
         s->positions = pl_positions_path(e->def->positions, pl_json_get_text(identity, "run"));
-        if (s->positions == NULL) {
-            return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
-        }
     }
-    return PL_OK;
 }
 
 /* The scene of a case, built in the slot where the plan does not keep it. */
@@ -178,8 +168,7 @@ static pl_status report_fault(execution *e, const pl_engine_fault *fault, const 
     pl_timestamp(started);
     json_t *outcome = pl_run_result_to_json(&fallen);
     json_t *result = pl_result_compose(identity, outcome, e->def->provenance, "", 0, started);
-    pl_status status = result == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for a result")
-                                      : hand_on(e, result, 0, error);
+    const pl_status status = hand_on(e, result, 0, error);
     json_decref(outcome);
     json_decref(result);
     return status;
@@ -207,10 +196,8 @@ static pl_status start(execution *e, slot *s, const pl_planned_run *planned, jso
 {
     const pl_engine_choice *choice = &planned->configuration->choice;
     const pl_scene *scene = NULL;
-    pl_status status = place_files(e, s, identity, error);
-    if (status == PL_OK) {
-        status = place_scene(e, s, planned->test_case, &scene, error);
-    }
+    place_files(e, s, identity);
+    pl_status status = place_scene(e, s, planned->test_case, &scene, error);
     if (status != PL_OK) {
         return status;
     }
@@ -238,9 +225,6 @@ static pl_status take_next(execution *e, slot *free_slot, bool *waits, pl_error 
 {
     const pl_planned_run planned = pl_plan_run(e->def->plan, e->next);
     json_t *identity = pl_planned_run_identity(e->def->plan, &planned);
-    if (identity == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
-    }
     const char *run = pl_json_get_text(identity, "run");
     const pl_engine_choice *choice = &planned.configuration->choice;
     const int threads = pl_engine_threads(choice->engine, choice->values);
@@ -391,29 +375,20 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
                    .schedule = {.jobs = def->jobs, .cpus = pl_usable_cpus()}};
     pl_progress own;
     sigset_t before;
-    long due = 0;
     *signal_number = 0;
-    e.slots = calloc(jobs, sizeof *e.slots);
-    e.polls = calloc(jobs * PL_PROCESS_POLLS + 1, sizeof *e.polls);
-    e.due = calloc((size_t)pl_plan_size(def->plan) + 1, sizeof *e.due);
-    if (e.slots == NULL || e.polls == NULL || e.due == NULL) {
-        free(e.slots);
-        free(e.polls);
-        free(e.due);
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d jobs", def->jobs);
-    }
+    e.slots = pl_heap_new(jobs, sizeof *e.slots);
+    e.polls = pl_heap_new(jobs * PL_PROCESS_POLLS + 1, sizeof *e.polls);
+    e.due = pl_heap_new((size_t)pl_plan_size(def->plan), sizeof *e.due);
     for (size_t i = 0; i < jobs; ++i) {
         e.slots[i].built = pl_scene_default();
     }
     e.signals = catch_signals(&before);
-    pl_status status = mark_due(def, e.due, &due, error);
+    const long due = mark_due(def, e.due);
     if (def->bar == NULL && def->progress != NULL) {
         own = pl_progress_begin(def->progress, due, pl_monotonic_seconds());
         e.bar = &own;
     }
-    if (status == PL_OK) {
-        status = carry_out(&e, signal_number, error);
-    }
+    const pl_status status = carry_out(&e, signal_number, error);
     for (int i = 0; i < def->jobs; ++i) {
         if (e.slots[i].busy) {
             pl_isolated_run_cancel(&e.slots[i].run);

@@ -37,16 +37,15 @@ typedef struct pl_execution_def {
     pl_status (*take)(void *user, json_t *result, pl_error *error);
 } pl_execution_def;
 
-/* The path in that folder of the positions of the run with this hash: malloc'd; NULL when out of
- * memory. */
+/* The path in that folder of the positions of the run with this hash: malloc'd. */
 char *pl_positions_path(const char *folder, const char *run);
 
-/* Counts the runs that are to be made: those that are not skipped, and that the store does not have. PL_NO_MEMORY. */
-pl_status pl_execution_due(const pl_execution_def *def, long *due, pl_error *error);
+/* Counts the runs that are to be made: those that are not skipped, and that the store does not have. */
+long pl_execution_due(const pl_execution_def *def);
 
 /* Returns when all runs are done, or at SIGINT, SIGTERM or SIGHUP (unless they are ignored) with
  * its number in *signal_number, 0 otherwise: runs in progress are then killed and leave nothing.
- * PL_IO, PL_NO_MEMORY: a run could not be made. */
+ * PL_IO: a run could not be made. */
 pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *error);
 
 /* Makes the first run of a case on a configuration, with the seed of def->plan and the limits,

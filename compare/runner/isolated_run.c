@@ -1,6 +1,7 @@
 #include "isolated_run.h"
 
 #include "adapters/process/channel.h"
+#include "base/heap.h"
 #include "base/json_field.h"
 #include "results/run_verdict.h"
 
@@ -13,6 +14,7 @@
  * these; they follow as doubles, since of many bodies they are nearly all of it. */
 static pl_status answer_result(const pl_run_result *result, void *user, pl_error *error)
 {
+    (void)error;
     FILE *answer = user;
     pl_run_result short_result = *result;
     short_result.bodies = NULL;
@@ -20,11 +22,8 @@ static pl_status answer_result(const pl_run_result *result, void *user, pl_error
     if (result->bodies != NULL) {
         json_object_set_new(object, "final_poses", json_integer(result->body_count));
     }
-    char *line = object == NULL ? NULL : pl_result_to_line(object);
+    char *line = pl_result_to_line(object);
     json_decref(object);
-    if (line == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for the result");
-    }
     fputs(line, answer);
     free(line);
     for (int i = 0; i < result->body_count && result->bodies != NULL; ++i) {
@@ -42,42 +41,36 @@ static json_t *read_poses(const char *bytes, size_t count)
     for (size_t i = 0; i < count; ++i) {
         double pose[PL_POSE_NUMBERS];
         memcpy(pose, bytes + i * sizeof pose, sizeof pose);
-        if (json_array_append_new(poses, pl_pose_to_json(pose)) != 0) {
-            json_decref(poses);
-            return NULL;
-        }
+        json_array_append_new(poses, pl_pose_to_json(pose));
     }
     return poses;
 }
 
 /* In the parent: the outcome that the child answered; NULL where it is not whole, and where something
- * else is with it. PL_NO_MEMORY. */
-static pl_status read_answer(const pl_process *process, json_t **outcome, pl_error *error)
+ * else is with it. */
+static json_t *read_answer(const pl_process *process)
 {
     json_error_t place;
     if (process->lacked_memory) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
+        pl_out_of_memory();
     }
-    *outcome = json_loadb(process->text, process->text_length, JSON_DISABLE_EOF_CHECK, &place);
-    if (*outcome == NULL) {
-        return process->text_length > 0 && pl_json_lacked_memory(&place)
-                   ? pl_fail(error, PL_NO_MEMORY, "out of memory for a result")
-                   : PL_OK;
+    json_t *outcome =
+        json_loadb(process->text, process->text_length, JSON_DISABLE_EOF_CHECK, &place);
+    if (outcome == NULL) {
+        return NULL;
     }
-    const json_t *asked = json_object_get(*outcome, "final_poses");
+    const json_t *asked = json_object_get(outcome, "final_poses");
     const size_t end = (size_t)place.position, length = process->text_length - end;
     const size_t size = PL_POSE_NUMBERS * sizeof(double), count = length / size;
     const bool is_whole = length % size == 0 && json_integer_value(asked) == (json_int_t)count;
     if (!is_whole) {
-        json_decref(*outcome);
-        *outcome = NULL;
-    } else if (json_is_integer(asked)) {
-        json_t *poses = read_poses(process->text + end, count);
-        if (json_object_set_new(*outcome, "final_poses", poses) != 0) {
-            return pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
-        }
+        json_decref(outcome);
+        return NULL;
     }
-    return PL_OK;
+    if (json_is_integer(asked)) {
+        json_object_set_new(outcome, "final_poses", read_poses(process->text + end, count));
+    }
+    return outcome;
 }
 
 /* In the child: what kept the run from being made is the answer {"error": message}. Memory that ran
@@ -219,6 +212,11 @@ static json_t *missing_outcome(const pl_isolated_run *run)
     }
     pl_process_describe_end(&run->process, run->limits.timeout, where, outcome.reason,
                             sizeof outcome.reason);
+    char line[201];
+    pl_process_last_line(&run->process, line);
+    if (strncmp(line, pl_out_of_memory_message, strlen(pl_out_of_memory_message) - 1) == 0) {
+        snprintf(outcome.reason, sizeof outcome.reason, "out of memory %s", where);
+    }
     if (run->is_over_limit) {
         outcome.outcome = PL_OUTCOME_TIMEOUT;
         snprintf(outcome.reason, sizeof outcome.reason,
@@ -249,12 +247,9 @@ pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_
                                  pl_error *error)
 {
     const pl_process *process = &run->process;
-    json_t *outcome = NULL;
+    pl_status status = PL_OK;
     /* A whole answer is a whole run; one cut short does not parse. */
-    pl_status status = read_answer(process, &outcome, error);
-    if (status != PL_OK) {
-        goto cleanup;
-    }
+    json_t *outcome = read_answer(process);
     if (!json_is_object(outcome) || !was_reported(run)) {
         json_decref(outcome);
         outcome = missing_outcome(run);
@@ -274,9 +269,6 @@ pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_
     }
     *result = pl_result_compose(run->identity, outcome, provenance, process->tail,
                                 process->tail_length, run->started);
-    if (*result == NULL) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
-    }
 
 cleanup:
     json_decref(outcome);

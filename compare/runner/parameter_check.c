@@ -1,5 +1,6 @@
 #include "parameter_check.h"
 
+#include "base/heap.h"
 #include "base/statistics.h"
 #include "plumb/scenario.h"
 
@@ -119,10 +120,7 @@ static void find_representatives(const pl_scene *scene, representatives *of)
 static pl_status check_pairs(check *c, pl_error *error)
 {
     const pl_scene *scene = c->scene;
-    representatives *of = calloc((size_t)scene->material_count + 1, sizeof *of);
-    if (of == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
+    representatives *of = pl_heap_new((size_t)scene->material_count, sizeof *of);
     find_representatives(scene, of);
     pl_status status = PL_OK;
     for (int m = 0; m < scene->material_count; ++m) {
@@ -181,15 +179,10 @@ pl_status pl_parameter_check(pl_session *session, const pl_scene *scene, unsigne
         .session = session, .scene = scene, .tolerance = single ? 16 * (double)FLT_EPSILON : 1e-12};
     size_t count = (size_t)scene->body_count;
     pl_engine_settings settings = {.body_count = scene->body_count};
-    settings.mass = calloc(count + 1, sizeof *settings.mass);
-    settings.inertia = calloc(count + 1, sizeof *settings.inertia);
-    pl_status status = settings.mass == NULL || settings.inertia == NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                           : PL_OK;
-    if (status == PL_OK) {
-        pl_session_read_settings(session, &settings);
-        status = check_settings(&c, &settings, error);
-    }
+    settings.mass = pl_heap_new(count, sizeof *settings.mass);
+    settings.inertia = pl_heap_new(count, sizeof *settings.inertia);
+    pl_session_read_settings(session, &settings);
+    pl_status status = check_settings(&c, &settings, error);
     if (status == PL_OK) {
         status = check_pairs(&c, error);
     }

@@ -1,36 +1,30 @@
 #include "plan.h"
 
-#include "base/array.h"
+#include "base/heap.h"
 #include "plumb/jitter.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Notes what distinguishes the case from others. *known: the plan has it already. */
-static pl_status note_case(pl_plan *plan, const pl_case *test_case, const char *name, bool *known,
-                           pl_error *error)
+/* Notes what distinguishes the case from others. Returns whether the plan has it already. */
+static bool note_case(pl_plan *plan, const pl_case *test_case, const char *name)
 {
-    char *key = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&key, &length);
-    bool failed = stream == NULL;
-    if (!failed) {
-        char *study = test_case->study == NULL ? NULL : pl_result_to_line(test_case->study);
-        fprintf(stream, "%s\n%s\n%s", test_case->scene_hash, name, study == NULL ? "" : study);
-        free(study);
-        for (int i = 0; i < test_case->descriptor->param_count; ++i) {
-            fprintf(stream, "\n%a", test_case->params[i]);
-        }
-        failed = fclose(stream) != 0;
+    pl_text_buffer text = {0};
+    char *study = test_case->study == NULL ? NULL : pl_result_to_line(test_case->study);
+    pl_text_format(&text, "%s\n%s\n%s", test_case->scene_hash, name, study == NULL ? "" : study);
+    for (int i = 0; i < test_case->descriptor->param_count; ++i) {
+        pl_text_format(&text, "\n%a", test_case->params[i]);
     }
+    char *key = pl_text_take(&text);
     if (plan->known == NULL) {
         plan->known = json_object();
     }
-    *known = !failed && json_object_get(plan->known, key) != NULL;
-    failed = failed || (!*known && json_object_set_new_nocheck(plan->known, key, json_true()) != 0);
+    const bool is_known = json_object_get(plan->known, key) != NULL;
+    json_object_set_new_nocheck(plan->known, key, json_true());
+    free(study);
     free(key);
-    return failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for %s", name) : PL_OK;
+    return is_known;
 }
 
 /* The parameters that the scene of a case is built with. */
@@ -62,15 +56,11 @@ static void defer(pl_case *test_case)
 /* Varies and hashes the case and moves it into the plan, or frees it. */
 static pl_status add_case(pl_plan *plan, pl_case *test_case, const char *name, pl_error *error)
 {
-    bool known = false;
     test_case->variation = plan->variation;
     test_case->study = json_incref(plan->study);
     vary_scene(plan, test_case, &test_case->scene);
     pl_status status = pl_scene_hash(&test_case->scene, test_case->scene_hash, error);
-    if (status == PL_OK) {
-        status = note_case(plan, test_case, name, &known, error);
-    }
-    if (status != PL_OK || known) {
+    if (status != PL_OK || note_case(plan, test_case, name)) {
         json_decref(test_case->study);
         pl_scene_free(&test_case->scene);
         return status;
@@ -78,16 +68,9 @@ static pl_status add_case(pl_plan *plan, pl_case *test_case, const char *name, p
     if (plan->defers && test_case->descriptor->file == NULL) {
         defer(test_case);
     }
-    test_case->name = strdup(name);
-    status = test_case->name == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for %s", name)
-                                     : pl_array_push(&plan->cases, &plan->case_count, test_case,
-                                                     sizeof *test_case, error);
-    if (status != PL_OK) {
-        free(test_case->name);
-        json_decref(test_case->study);
-        pl_scene_free(&test_case->scene);
-    }
-    return status;
+    test_case->name = pl_heap_copy(name);
+    pl_push(&plan->cases, &plan->case_count, test_case, sizeof *test_case);
+    return PL_OK;
 }
 
 pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_scene *scene,
@@ -108,15 +91,10 @@ pl_status pl_plan_open_file(pl_plan *plan, const char *path, const pl_scenario *
     pl_scenario *opened = NULL;
     pl_status status = pl_scenario_open_file(path, &opened, error);
     if (status == PL_OK) {
-        status =
-            pl_array_push(&plan->files, &plan->file_count, &opened, sizeof(pl_scenario *), error);
+        pl_push(&plan->files, &plan->file_count, &opened, sizeof(pl_scenario *));
+        *scenario = opened;
     }
-    if (status != PL_OK) {
-        pl_scenario_close_file(opened);
-        return status;
-    }
-    *scenario = opened;
-    return PL_OK;
+    return status;
 }
 
 void pl_plan_take_files(pl_plan *plan, pl_plan *from)
@@ -233,14 +211,17 @@ pl_status pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, cons
     if (index != NULL) {
         *index = plan->configuration_count;
     }
-    return pl_array_push(&plan->configurations, &plan->configuration_count, &added, sizeof added,
-                         error);
+    (void)error;
+    pl_push(&plan->configurations, &plan->configuration_count, &added, sizeof added);
+    return PL_OK;
 }
 
 pl_status pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration, pl_error *error)
 {
     const pl_pairing added = {test_case, configuration};
-    return pl_array_push(&plan->pairings, &plan->pairing_count, &added, sizeof added, error);
+    (void)error;
+    pl_push(&plan->pairings, &plan->pairing_count, &added, sizeof added);
+    return PL_OK;
 }
 
 /* How many of the pairings each further repeat has. */

@@ -1,5 +1,6 @@
 #include "positions.h"
 
+#include "base/heap.h"
 #include "referee/geometry/solid.h"
 
 #include <errno.h>
@@ -49,10 +50,7 @@ pl_status pl_positions_create(const char *path, const pl_scene *scene, long stri
     const header h = header_of(scene, stride);
     *writer =
         (pl_positions_writer){.path = path, .scene = scene, .stride = stride_of(scene, stride)};
-    writer->sample = calloc(3 * (size_t)h.bodies + 1, sizeof *writer->sample);
-    if (writer->sample == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
-    }
+    writer->sample = pl_heap_new(3 * (size_t)h.bodies, sizeof *writer->sample);
     writer->file = fopen(path, "we");
     if (writer->file == NULL || fwrite(&h, sizeof h, 1, writer->file) != 1) {
         return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));

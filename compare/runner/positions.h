@@ -28,7 +28,7 @@ typedef struct pl_positions_writer {
 } pl_positions_writer;
 
 /* Opens `path`, which is replaced; it and `scene` must outlive the writer. A sample is written every
- * `stride` steps; 0: every pl_positions_stride. PL_IO, PL_NO_MEMORY. */
+ * `stride` steps; 0: every pl_positions_stride. PL_IO. */
 pl_status pl_positions_create(const char *path, const pl_scene *scene, long stride,
                               pl_positions_writer *writer, pl_error *error);
 

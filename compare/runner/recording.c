@@ -5,6 +5,7 @@
  * that the engine has no descriptor of it. */
 #include "recording.h"
 
+#include "base/heap.h"
 #include "plumb/vec.h"
 #include "recording_file.h"
 
@@ -53,10 +54,7 @@ pl_status pl_recorder_create(const char *path, const pl_scene *scene, pl_recorde
                       .stride = stride_of(steps, fitting < MOST_FRAMES ? fitting + 1 : MOST_FRAMES),
                       .bucket = stride_of(steps, MOST_BUCKETS)};
     const size_t sample = (7 * (size_t)scene->body_count + 1) * sizeof *recorder->sample;
-    recorder->sample = malloc(sample);
-    if (recorder->sample == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
-    }
+    recorder->sample = pl_heap_new(1, sample);
     memset(recorder->sample, 0xff, sample); /* resident before the engine is created */
     return open_file(recorder, "we") && fwrite(PL_RAW_MAGIC, 8, 1, recorder->file) == 1 &&
                    close_file(recorder)
@@ -153,8 +151,7 @@ void pl_recorder_end(pl_recorder *recorder)
 
 char *pl_recording_path(const char *folder, const char *run, bool raw)
 {
-    char *path = NULL;
-    return asprintf(&path, "%s/%s.%s", folder, run, raw ? "raw" : "json") < 0 ? NULL : path;
+    return pl_heap_format("%s/%s.%s", folder, run, raw ? "raw" : "json");
 }
 
 void pl_recordings_remove(const char *folder, const json_t *kept)

@@ -35,7 +35,7 @@ typedef struct pl_recorded_step {
     double iterations, residual; /* NAN where the engine reports none */
 } pl_recorded_step;
 
-/* Opens `path`, which is replaced; it and `scene` must outlive the recorder. PL_IO, PL_NO_MEMORY. */
+/* Opens `path`, which is replaced; it and `scene` must outlive the recorder. PL_IO. */
 pl_status pl_recorder_create(const char *path, const pl_scene *scene, pl_recorder *recorder,
                              pl_error *error);
 
@@ -46,8 +46,7 @@ void pl_recorder_step(pl_recorder *recorder, const pl_recorded_step *seen);
 /* Frees the recorder; {0} is allowed. */
 void pl_recorder_end(pl_recorder *recorder);
 
-/* The path in that folder of the raw file, or of the recording, of the run with this hash: malloc'd;
- * NULL when out of memory. */
+/* The path in that folder of the raw file, or of the recording, of the run with this hash: malloc'd. */
 char *pl_recording_path(const char *folder, const char *run, bool raw);
 
 /* Removes the recordings and raw files of a folder, and nothing else, but for those of the runs in the
@@ -55,7 +54,7 @@ char *pl_recording_path(const char *folder, const char *run, bool raw);
 void pl_recordings_remove(const char *folder, const json_t *kept);
 
 /* Turns the raw file of a run of `scene` into FOLDER/RUN.json and removes it. A raw file without a
- * frame leaves nothing. PL_IO, PL_NO_MEMORY. */
+ * frame leaves nothing. PL_IO. */
 pl_status pl_recording_finish(const char *folder, const char *run, const pl_scene *scene,
                               pl_error *error);
 

@@ -9,6 +9,7 @@
 
 #include "base/array.h"
 #include "base/file_text.h"
+#include "base/heap.h"
 #include "base/text_buffer.h"
 #include "recording.h"
 #include "referee/geometry/solid.h"
@@ -404,9 +405,10 @@ static pl_status compact(work *w, const char *text, size_t length, const char *p
     pl_status status = thin(w, error);
     if (status == PL_OK) {
         add_recording(w);
-        status = w->out.failed || w->bytes.failed
-                     ? pl_fail(error, PL_NO_MEMORY, "out of memory for %s", path)
-                     : pl_write_text(path, w->out.data, w->out.length, error);
+        if (w->out.failed || w->bytes.failed) {
+            pl_out_of_memory();
+        }
+        status = pl_write_text(path, w->out.data, w->out.length, error);
     }
     return status;
 }
@@ -419,15 +421,12 @@ pl_status pl_recording_finish(const char *folder, const char *run, const pl_scen
     char *raw = pl_recording_path(folder, run, true), *path = pl_recording_path(folder, run, false);
     char *text = NULL;
     size_t length = 0;
-    pl_status status = raw == NULL || path == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                       : access(raw, F_OK) != 0    ? PL_OK /* it ended before its first frame */
-                                                : pl_file_read(&kind, raw, &text, &length, error);
+    pl_status status = access(raw, F_OK) != 0 ? PL_OK /* it ended before its first frame */
+                                              : pl_file_read(&kind, raw, &text, &length, error);
     if (status == PL_OK && text != NULL) {
         status = compact(&w, text, length, path, error);
     }
-    if (raw != NULL) {
-        unlink(raw);
-    }
+    unlink(raw);
     free(raw);
     free(path);
     free(text);

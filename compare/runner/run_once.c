@@ -6,6 +6,7 @@
 #include "adapters/contact_problems.h"
 #include "base/arena.h"
 #include "base/array.h"
+#include "base/heap.h"
 #include "engines/process.h"
 #include "parameter_check.h"
 #include "positions.h"
@@ -117,10 +118,8 @@ static void touch(void *memory, size_t size)
 
 static void *allocate_touched(size_t count, size_t size)
 {
-    void *memory = malloc(count * size + 1);
-    if (memory != NULL) {
-        touch(memory, count * size + 1);
-    }
+    void *memory = pl_heap_new(count, size);
+    touch(memory, count * size);
     return memory;
 }
 
@@ -156,17 +155,15 @@ static pl_status prepare(run *r, pl_error *error)
     r->frame.bodies = allocate_touched(count, sizeof *r->frame.bodies);
     r->good.bodies = allocate_touched(count, sizeof *r->good.bodies);
     r->contacts = malloc((size_t)r->contact_capacity * sizeof *r->contacts);
-    if (r->frame.bodies == NULL || r->good.bodies == NULL || r->contacts == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+    if (r->contacts == NULL) {
+        pl_out_of_memory();
     }
     pl_status status = pl_referee_create(scene, &r->referee, error);
     if (status == PL_OK && scene->body_count >= MANY_BODIES) {
         r->pool = pl_thread_pool_create(r->def->referee_threads);
         pl_referee_set_threads(r->referee, r->pool);
     }
-    if (status == PL_OK) {
-        status = pl_state_hashes_create(scene, &r->hashes, error);
-    }
+    pl_state_hashes_create(scene, &r->hashes);
     if (status == PL_OK && r->def->trajectory != NULL) {
         status = write_header(r->def->trajectory, error);
     }

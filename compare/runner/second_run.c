@@ -1,6 +1,7 @@
 #include "second_run.h"
 
 #include "base/hash.h"
+#include "base/heap.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,16 +21,13 @@ static uint64_t hash_of(const pl_frame *frame)
     return hash;
 }
 
-pl_status pl_state_hashes_create(const pl_scene *scene, pl_state_hashes *hashes, pl_error *error)
+void pl_state_hashes_create(const pl_scene *scene, pl_state_hashes *hashes)
 {
     const long states = pl_scene_steps(scene) + 1;
     *hashes = (pl_state_hashes){.count = 0};
     if (scene->same_bits) {
-        hashes->step = calloc((size_t)states, sizeof *hashes->step);
+        hashes->step = pl_heap_new((size_t)states, sizeof *hashes->step);
     }
-    return scene->same_bits && hashes->step == NULL
-               ? pl_fail(error, PL_NO_MEMORY, "no memory for the hashes of %ld states", states)
-               : PL_OK;
 }
 
 void pl_state_hashes_add(pl_state_hashes *hashes, const pl_frame *frame)

@@ -14,8 +14,8 @@ typedef struct pl_state_hashes {
     long count;     /* steps so far, with the state before the first */
 } pl_state_hashes;
 
-/* Makes room for the states of a scene that expects the same bits; keeps none of another. PL_NO_MEMORY. */
-pl_status pl_state_hashes_create(const pl_scene *scene, pl_state_hashes *hashes, pl_error *error);
+/* Makes room for the states of a scene that expects the same bits; keeps none of another. */
+void pl_state_hashes_create(const pl_scene *scene, pl_state_hashes *hashes);
 /* Adds the next state. */
 void pl_state_hashes_add(pl_state_hashes *hashes, const pl_frame *frame);
 /* Frees them. */
@@ -23,7 +23,7 @@ void pl_state_hashes_free(pl_state_hashes *hashes);
 
 /* Destroys the session's instance, creates the scene again, and takes as many steps as `first` has. It ends
  * early where create and steps take more than `cpu_limit` s (0: no limit) and leaves the session's costs as
- * they were. `frame` is overwritten. The engine's own status; PL_NO_MEMORY. */
+ * they were. `frame` is overwritten. The engine's own status. */
 pl_status pl_second_run(pl_session *session, const pl_scene *scene, const pl_state_hashes *first,
                         double cpu_limit, pl_frame *frame, pl_difference *difference,
                         pl_error *error);

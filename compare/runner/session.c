@@ -1,6 +1,7 @@
 #include "session.h"
 
 #include "base/array.h"
+#include "base/heap.h"
 #include "plumb/vec.h"
 #include "referee/geometry/solid.h"
 
@@ -121,32 +122,26 @@ static pl_status end_message(pl_status status, pl_error *error)
     return status;
 }
 
-static pl_status fill_pairs(pl_session *session, const pl_scene *scene, pl_error *error)
+static void fill_pairs(pl_session *session, const pl_scene *scene)
 {
     const int count = scene->material_count;
     free(session->pairs);
-    session->pairs = calloc((size_t)count * (size_t)count + 1, sizeof *session->pairs);
-    if (session->pairs == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d materials", count);
-    }
+    session->pairs = pl_heap_new((size_t)count * (size_t)count, sizeof *session->pairs);
     for (int i = 0; i < count; ++i) {
         for (int k = 0; k < count; ++k) {
             pl_pair_coefficients *pair = &session->pairs[i * count + k];
             pl_scene_pair(scene, i, k, &pair->friction, &pair->restitution);
         }
     }
-    return PL_OK;
 }
 
 pl_status pl_session_create(pl_session *session, const pl_scene *scene, pl_error *error)
 {
     pl_status status = pl_needs_check(scene, session->choice->engine, error);
-    if (status == PL_OK) {
-        status = fill_pairs(session, scene, error);
-    }
     if (status != PL_OK) {
         return status;
     }
+    fill_pairs(session, scene);
     session->setup = (pl_engine_setup){.struct_size = sizeof session->setup,
                                        .scene = scene,
                                        .dt = scene->dt,
