@@ -10,11 +10,18 @@
 /* The check of that index among all files' checks; NULL beyond the last. */
 static const pl_check *check_at(int index)
 {
-    static const pl_check *const files[] = {
-        pl_state_checks,   pl_place_checks,  pl_motion_checks,   pl_mass_checks,
-        pl_claim_checks,   pl_shape_checks,  pl_material_checks, pl_contact_checks,
-        pl_impulse_checks, pl_conduct_checks};
-    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
+    static const pl_check *const files[] = {pl_state_checks,
+                                            pl_place_checks,
+                                            pl_motion_checks,
+                                            pl_mass_checks,
+                                            pl_claim_checks,
+                                            pl_shape_checks,
+                                            pl_material_checks,
+                                            pl_contact_checks,
+                                            pl_impulse_checks,
+                                            pl_conduct_checks,
+                                            NULL};
+    for (int i = 0; files[i] != NULL; ++i) {
         for (const pl_check *check = files[i]; check->name != NULL; ++check, --index) {
             if (index == 0) {
                 return check;

@@ -53,7 +53,7 @@ _Noreturn __attribute__((format(printf, 2, 3))) static void quit(int code, const
 
 static void *allocate(size_t count, size_t size)
 {
-    void *made = calloc(count, size);
+    void *made = calloc(count > 0 ? count : 1, size);
     if (made == NULL) {
         quit(EXIT_IO, "out of memory");
     }

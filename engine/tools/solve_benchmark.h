@@ -19,7 +19,7 @@ typedef struct level {
     double seconds;    /* CPU time of the solver: the median of an odd number of repeats, up to 9 */
     pe_residual start; /* of the impulses that the solver starts from */
     pe_residual residual; /* of its solution */
-    char stop[20];        /* why it ended, such as "converged" or "stalled" */
+    const char *stop;     /* why it ended, such as "converged" or "stalled"; static storage */
 } level;
 
 /* The levels that a solver reached from one start. */

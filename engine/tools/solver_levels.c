@@ -52,12 +52,12 @@ static level solve_level(const pe_contact_problem *problem, pe_solver_info solve
         pe_contact_solution s;
         if (pe_contact_problem_solve(problem, solver.name, &limits, cpu_seconds, &s, NULL) !=
             PE_OK) {
-            strcpy(found.stop, "out of memory"); /* problem, solver and limits are valid */
+            found.stop = "out of memory"; /* problem, solver and limits are valid */
             return found;
         }
-        strcpy(found.stop, s.stop == PE_STOP_CONVERGED    ? "converged"
-                           : s.stop == PE_STOP_ITERATIONS ? "iteration limit"
-                                                          : "stalled");
+        found.stop = s.stop == PE_STOP_CONVERGED    ? "converged"
+                     : s.stop == PE_STOP_ITERATIONS ? "iteration limit"
+                                                    : "stalled";
         found.reached = s.stop == PE_STOP_CONVERGED;
         found.iterations = s.iterations;
         found.start = s.start;
@@ -71,7 +71,8 @@ static level solve_level(const pe_contact_problem *problem, pe_solver_info solve
     return found;
 }
 
-/* The process of a run: writes one level after the other, up to the first that is not reached. */
+/* The process of a run: writes one level after the other, up to the first that is not reached. The
+ * texts that they point to have the same address in the parent. */
 _Noreturn static void measure(const pe_contact_problem *problem, pe_solver_info solver, bool cold,
                               int pipe)
 {
@@ -114,7 +115,7 @@ bool solve_levels(const pe_contact_problem *problem, pe_solver_info solver, bool
         const bool late = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
         level *last = &run->levels[run->count++];
         *last = (level){.seconds = (double)NAN, .residual = {(double)NAN, (double)NAN}};
-        strcpy(last->stop, late ? "time limit" : "crashed");
+        last->stop = late ? "time limit" : "crashed";
     }
     return true;
 }
