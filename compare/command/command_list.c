@@ -80,7 +80,7 @@ static bool may_be_primary(const char *metric)
     return count > 0;
 }
 
-/* What the table of metrics says of one, as words. */
+/* The properties of a metric, as words. */
 static json_t *properties_of(int id)
 {
     static const struct {

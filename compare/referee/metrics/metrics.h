@@ -17,7 +17,7 @@ typedef enum pl_metric_id {
 /* Which of two values of a metric is the better one. */
 typedef enum pl_direction { PL_LOWER_IS_BETTER, PL_HIGHER_IS_BETTER, PL_NO_DIRECTION } pl_direction;
 
-/* What else is true of a metric, as bits. */
+/* Further properties of a metric, as bits. */
 typedef enum pl_trait {
     PL_TRAIT_MEASURED = 1 << 0,   /* differs from run to run, even if the engine is deterministic */
     PL_TRAIT_COMPARED = 1 << 1,   /* means the same to every engine: reports compare the home engine

@@ -1,12 +1,12 @@
 /* The modules of the referee. Each measures something of a run: it keeps a state of its own, sees every
- * frame, and sets its metrics at the end. What several of them need is in the view of the run. */
+ * frame, and sets its metrics at the end. The view of the run has the data that several of them need. */
 #ifndef PLUMB_MODULES_H
 #define PLUMB_MODULES_H
 
 #include "mechanics.h"
 #include "touching.h"
 
-/* What a module sees of a run. Pointers are borrowed until the call returns. */
+/* The data of a run that modules use. Pointers are borrowed until the call returns. */
 typedef struct pl_run_view {
     const pl_scene *scene;
     pl_scale scale;
@@ -22,13 +22,15 @@ typedef struct pl_run_view {
 
 /* A module. `state` is what its create returned. */
 typedef struct pl_module {
-    /* NULL: the module has no state. Memory of the arena; NULL when out of memory. The scene outlives it. */
+    /* Makes the state, in memory of the arena; NULL when out of memory. The scene outlives the state. A
+     * module without a state has NULL here. */
     void *(*create)(const pl_scene *scene, pl_arena *arena);
-    /* NULL: it sees nothing. Takes the start, and the frame after each step. */
+    /* Takes the start, and the frame after each step. A module that reads the end alone has NULL here. */
     void (*see)(void *state, const pl_run_view *view);
-    /* Sets the module's metrics in item (PL_METRIC_COUNT); what does not apply stays PL_METRIC_ABSENT. */
+    /* Sets the module's metrics in item (PL_METRIC_COUNT). A metric that does not apply stays
+     * PL_METRIC_ABSENT. */
     void (*collect)(void *state, const pl_run_view *view, pl_metric *item);
-    bool needs_no_motion; /* collects also in a scene without dynamic bodies */
+    bool needs_no_motion; /* it also collects in a scene without dynamic bodies */
 } pl_module;
 
 /* The modules, one a line: pl_NAME_module is in NAME.c. */

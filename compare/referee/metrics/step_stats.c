@@ -1,4 +1,4 @@
-/* What an engine reports of its steps: iterations, residual, contacts and time. */
+/* The iterations, residuals, contacts and times that an engine reports of its steps. */
 #include "modules.h"
 #include "series.h"
 
