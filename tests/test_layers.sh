@@ -99,7 +99,7 @@ declare -A header=()
 while read -r file; do
     [[ -v header[${file##*/}] ]] && fail "${file##*/} stands in ${header[${file##*/}]} and in $file"
     header[${file##*/}]=$file
-done < <(find engine scenarios compare -name '*.h')
+done < <(find engine scenarios compare -name '*.h' -o -name '*.def')
 
 includes=0
 while IFS=: read -r file included; do

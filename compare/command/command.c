@@ -295,7 +295,6 @@ void pl_call_parse(const pl_call *call, void *options)
 
 int pl_call_fail(const pl_call *call, const pl_error *error)
 {
-    fflush(stdout);
     pl_print_line(stderr, "%s: %s", call->argv[0], error->message);
     return error->status == PL_BAD_INPUT ? PL_EXIT_USAGE : PL_EXIT_FAILED;
 }

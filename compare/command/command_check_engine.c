@@ -99,7 +99,6 @@ static void print_result(const pl_check_result *result)
         }
     }
     pl_folding_end(&folding);
-    fflush(stdout);
 }
 
 static json_t *result_json(const pl_check_result *result)
@@ -202,7 +201,6 @@ static pl_status check_choice(checking *c, const pl_engine_choice *choice, pl_er
                 "%s: conformance %s: %d passed, %d failed, %d skipped\n", label, verdict,
                 counts[PL_CHECK_PASSED], counts[PL_CHECK_FAILED], counts[PL_CHECK_SKIPPED]);
         pl_folding_end(&folding);
-        fflush(stdout);
     }
     keep_record(c, choice, counts);
     c->failed = c->failed || counts[PL_CHECK_FAILED] > 0;

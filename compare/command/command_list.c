@@ -70,6 +70,44 @@ static json_t *list_scenarios(void)
     return list;
 }
 
+static bool may_be_primary(const char *metric)
+{
+    int count;
+    const char *const *names = pl_primary_errors(&count);
+    while (count > 0 && strcmp(names[count - 1], metric) != 0) {
+        --count;
+    }
+    return count > 0;
+}
+
+/* The properties of a metric, as words. */
+static json_t *properties_of(int id)
+{
+    static const struct {
+        pl_trait trait;
+        const char *word;
+    } words[] = {{PL_TRAIT_MEASURED, "measured"}, {PL_TRAIT_COMPARED, "compared"},
+                 {PL_TRAIT_OVER_STEPS, "steps"},  {PL_TRAIT_VALUE_OF_END, "end"},
+                 {PL_TRAIT_IMPULSES, "impulses"}, {PL_TRAIT_STATIC_IMPULSES, "static impulses"}};
+    const pl_metric_info *info = &pl_metric_table[id];
+    json_t *list = json_array();
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
+        if (pl_metric_is(id, words[i].trait)) {
+            json_array_append_new(list, json_string(words[i].word));
+        }
+    }
+    if (may_be_primary(info->name)) {
+        json_array_append_new(list, json_string("primary"));
+    }
+    if (info->more[0] != NULL) {
+        json_array_append_new(list, json_string("ensemble"));
+    }
+    if (info->ratio != NULL) {
+        json_array_append_new(list, json_string(info->ratio));
+    }
+    return list;
+}
+
 static json_t *list_metrics(void)
 {
     static const char *const directions[] = {[PL_LOWER_IS_BETTER] = "lower",
@@ -78,10 +116,11 @@ static json_t *list_metrics(void)
     json_t *list = json_array();
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         const pl_metric_info *m = &pl_metric_table[i];
-        json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:b, s:s}", "name", m->name, "unit",
-                                              m->unit, "direction", directions[m->direction],
-                                              "deterministic", (int)m->deterministic, "definition",
-                                              m->definition));
+        json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:b, s:s, s:o}", "name", m->name,
+                                              "unit", m->unit, "direction",
+                                              directions[m->direction], "deterministic",
+                                              !pl_metric_is(i, PL_TRAIT_MEASURED), "definition",
+                                              m->definition, "properties", properties_of(i)));
     }
     return list;
 }

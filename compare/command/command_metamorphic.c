@@ -23,7 +23,6 @@ static pl_status keep(void *user, const pl_checks_of_run *trial, pl_error *error
     d->compared = d->compared || strcmp(trial->outcome, "unsupported") != 0;
     if (!pl_is_stdout(d->options->request.json)) {
         pl_checks_print(stdout, trial);
-        fflush(stdout);
     }
     if (json_array_append_new(d->trials, pl_checks_to_json(trial)) != 0) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for what was found");

@@ -107,7 +107,6 @@ static pl_status analyse(const pl_request *request, const json_t *results, pl_er
         status = pl_sweep_report_write(request->out, &analysis, error);
         if (status == PL_OK) {
             pl_sweep_report_print(stdout, &analysis);
-            fflush(stdout);
             pl_print_line(stderr, "speed against error is in %s/sweep.html", request->out);
         }
     }

@@ -135,7 +135,6 @@ static pl_status deliver(const options *o, keeper *k, bool is_shard, const char 
     }
     if (status == PL_OK) {
         const size_t count = json_array_size(made);
-        fflush(stdout);
         if (!is_shard) {
             pl_print_line(stderr, "speed against error is in %s/sweep.html", o->request.out);
         }

@@ -55,7 +55,6 @@ static int run(const pl_call *call)
         find_page(request.names.count == 0 ? "report" : request.names.items[0], &path, &error);
     if (status == PL_OK) {
         printf("%s\n", path);
-        fflush(stdout);
         status = pl_open_page(path, &error);
     }
     free(path);

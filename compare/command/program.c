@@ -174,6 +174,9 @@ static void fit_help(void)
 int pl_program(int argc, char **argv)
 {
     fill_closed_streams();
+    /* Messages are not buffered. So both keep their order, also where they go to one file, and each line
+     * of data is written whole. */
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
     signal(SIGXFSZ, SIG_IGN); /* a file that may grow no more is an error of write(2) */
     atexit(check_output);
     argp_err_exit_status = PL_EXIT_USAGE;

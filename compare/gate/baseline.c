@@ -104,8 +104,9 @@ static bool check_ratio(const json_t *row, const char *key, pl_diagnostic *diagn
 static bool check_ratios(const json_t *json, pl_diagnostic *diagnostic)
 {
     bool right = true;
-    for (int i = 0; i < PL_GATE_COST_COUNT && right; ++i) {
-        right = check_ratio(json, pl_gate_costs[i].ratio, diagnostic);
+    for (int i = 0; i < PL_METRIC_COUNT && right; ++i) {
+        const char *ratio = pl_metric_table[i].ratio;
+        right = ratio == NULL || check_ratio(json, ratio, diagnostic);
     }
     return right;
 }

@@ -177,7 +177,7 @@ static void judge_trend(const pl_gate_row *row, int cost, const json_t *kept,
                                         [PL_GATE_FASTER] = "cheaper",
                                         [PL_GATE_FEW] = "",
                                         [PL_GATE_NOISY] = "inconclusive"};
-    const char *metric = pl_gate_costs[cost].metric;
+    const char *metric = pl_metric_table[cost].name;
     double growth, noise;
     const pl_gate_ratio before = pl_gate_ratio_of_json(kept);
     pl_gate_trend trend = pl_gate_ratio_trend(&before, now, limit, &growth, &noise);
@@ -204,10 +204,10 @@ static pl_status judge_cost(const pl_gate_inputs *in, const pl_gate_row *before,
                             const pl_gate_row *now, int cost, pl_gate_verdict *verdict,
                             pl_error *error)
 {
-    const char *metric = pl_gate_costs[cost].metric;
-    const json_t *kept = json_object_get(before->json, pl_gate_costs[cost].ratio);
+    const char *metric = pl_metric_table[cost].name;
+    const json_t *kept = json_object_get(before->json, pl_metric_table[cost].ratio);
     const pl_gate_rule *rule = rule_of(in, now, cost);
-    if (kept == NULL || (pl_gate_costs[cost].is_asked_for && rule == NULL)) {
+    if (kept == NULL || (!pl_metric_is(cost, PL_TRAIT_GATED) && rule == NULL)) {
         return PL_OK;
     }
     const char *kept_reference = pl_json_get_text(kept, "reference");
@@ -227,9 +227,9 @@ static pl_status judge_cost(const pl_gate_inputs *in, const pl_gate_row *before,
                              "not compared: no run of the reference engine on the same case");
         return PL_OK;
     }
-    double limit = rule != NULL           ? rule->value
-                   : cost == PL_GATE_TIME ? in->tolerances->time
-                                          : in->tolerances->instructions;
+    double limit = rule != NULL                      ? rule->value
+                   : cost == PL_METRIC_TIME_PER_STEP ? in->tolerances->time
+                                                     : in->tolerances->instructions;
     judge_trend(now, cost, kept, &ratio, limit, verdict);
     return PL_OK;
 }
@@ -238,8 +238,10 @@ static pl_status judge_costs(const pl_gate_inputs *in, const pl_gate_row *before
                              const pl_gate_row *now, pl_gate_verdict *verdict, pl_error *error)
 {
     pl_status status = PL_OK;
-    for (int cost = 0; cost < PL_GATE_COST_COUNT && status == PL_OK; ++cost) {
-        status = judge_cost(in, before, now, cost, verdict, error);
+    for (int cost = 0; cost < PL_METRIC_COUNT && status == PL_OK; ++cost) {
+        if (pl_metric_table[cost].ratio != NULL) {
+            status = judge_cost(in, before, now, cost, verdict, error);
+        }
     }
     return status;
 }
@@ -359,7 +361,7 @@ static pl_status judge_ratio(const pl_gate_inputs *in, const pl_gate_rule *rule,
     const pl_gate_row *reference = pl_gate_reference_of(in->now, row, in->reference);
     pl_gate_ratio ratio = {0};
     if (reference != NULL) {
-        const char *metric = pl_gate_costs[pl_gate_cost_of(rule->metric)].metric;
+        const char *metric = pl_metric_table[pl_gate_cost_of(rule->metric)].name;
         pl_status status = pl_gate_ratio_measure(row, reference, metric, &ratio, error);
         if (status != PL_OK) {
             return status;
@@ -386,12 +388,12 @@ static pl_status judge_by_rule(const pl_gate_inputs *in, const pl_gate_rule *rul
         const pl_gate_row *before =
             in->before == NULL ? NULL : pl_gate_rows_find(in->before, row->key);
         *judged =
-            before != NULL && json_object_get(before->json, pl_gate_costs[cost].ratio) != NULL;
+            before != NULL && json_object_get(before->json, pl_metric_table[cost].ratio) != NULL;
     } else if (strcmp(rule->metric, "outcome") == 0) {
         judge_text(rule, row, row->outcome, row->reason, verdict);
     } else if (strcmp(rule->metric, "verdict") == 0) {
         judge_text(rule, row, pl_verdict_name(row->verdict), row->verdict_reason, verdict);
-    } else if (cost >= 0 && strcmp(rule->metric, pl_gate_costs[cost].ratio) == 0) {
+    } else if (cost >= 0 && strcmp(rule->metric, pl_metric_table[cost].ratio) == 0) {
         return judge_ratio(in, rule, row, judged, verdict, error);
     } else if (rule->is_text) {
         const json_t *value = value_in(row, rule->metric);

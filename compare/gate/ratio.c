@@ -15,20 +15,12 @@
 
 static const double miss_allowed = 1.0 / 16;
 
-const pl_gate_cost pl_gate_costs[PL_GATE_COST_COUNT] = {
-    [PL_GATE_TIME] = {"time_per_step", "time_ratio", false},
-    [PL_GATE_INSTRUCTIONS] = {"instructions_per_step", "instructions_ratio", false},
-    {"wall_time_per_step", "wall_time_ratio", true},
-    {"time_create", "time_create_ratio", true},
-    {"wall_time_create", "wall_time_create_ratio", true},
-    {"time_read", "time_read_ratio", true},
-    {"wall_time_read", "wall_time_read_ratio", true}};
-
 int pl_gate_cost_of(const char *name)
 {
-    for (int i = 0; i < PL_GATE_COST_COUNT; ++i) {
-        if (strcmp(pl_gate_costs[i].metric, name) == 0 ||
-            strcmp(pl_gate_costs[i].ratio, name) == 0) {
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        const pl_metric_info *info = &pl_metric_table[i];
+        if (info->ratio != NULL &&
+            (strcmp(info->name, name) == 0 || strcmp(info->ratio, name) == 0)) {
             return i;
         }
     }
@@ -114,14 +106,14 @@ static pl_status add_ratio(const pl_gate_row *row, const pl_gate_row *reference,
 {
     pl_gate_ratio ratio = {0};
     pl_status status =
-        pl_gate_ratio_measure(row, reference, pl_gate_costs[cost].metric, &ratio, error);
+        pl_gate_ratio_measure(row, reference, pl_metric_table[cost].name, &ratio, error);
     if (status != PL_OK || ratio.repeats == 0) {
         return status;
     }
     json_t *json =
         json_pack("{s:s, s:f, s:f, s:f, s:i}", "reference", reference->label, "value", ratio.value,
                   "low", ratio.low, "high", ratio.high, "repeats", ratio.repeats);
-    return json_object_set_new(row->json, pl_gate_costs[cost].ratio, json) == 0
+    return json_object_set_new(row->json, pl_metric_table[cost].ratio, json) == 0
                ? PL_OK
                : pl_fail(error, PL_NO_MEMORY, "out of memory for a ratio");
 }
@@ -133,8 +125,10 @@ pl_status pl_gate_ratios_add(pl_gate_rows *rows, const char *label, pl_error *er
         const pl_gate_row *row = &rows->items[i];
         const pl_gate_row *reference = pl_gate_reference_of(rows, row, label);
         bool has_costs = reference != NULL && pl_gate_row_is_ok(row);
-        for (int cost = 0; has_costs && status == PL_OK && cost < PL_GATE_COST_COUNT; ++cost) {
-            status = add_ratio(row, reference, cost, error);
+        for (int cost = 0; has_costs && status == PL_OK && cost < PL_METRIC_COUNT; ++cost) {
+            if (pl_metric_table[cost].ratio != NULL) {
+                status = add_ratio(row, reference, cost, error);
+            }
         }
     }
     return status;

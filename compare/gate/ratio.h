@@ -15,15 +15,7 @@ typedef struct pl_gate_ratio {
     double low, high; /* bounds of the median */
 } pl_gate_ratio;
 
-/* A metric that is compared with a baseline only as a ratio. */
-typedef struct pl_gate_cost {
-    const char *metric, *ratio; /* "time_per_step", "time_ratio" */
-    bool is_asked_for;          /* compared only where a rule names it */
-} pl_gate_cost;
-enum { PL_GATE_TIME, PL_GATE_INSTRUCTIONS, PL_GATE_COST_COUNT = 7 };
-extern const pl_gate_cost pl_gate_costs[PL_GATE_COST_COUNT];
-
-/* Returns the cost whose metric or ratio has that name; -1: none. */
+/* Returns the pl_metric_id of the cost whose metric or ratio has that name; -1: none. */
 int pl_gate_cost_of(const char *name);
 
 /* Returns the row of the reference engine on the case of `row`: the engine `label`, or where that

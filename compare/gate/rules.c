@@ -16,7 +16,7 @@
 /* ---- Tolerances ---- */
 
 /* A rule also accepts "outcome", "verdict" and the names of ratios. */
-enum { KNOWN_COUNT = PL_METRIC_COUNT + PL_GATE_COST_COUNT + 2, HINT_SIZE = 2 * PL_NAME_SIZE };
+enum { KNOWN_COUNT = 2 * PL_METRIC_COUNT + 2, HINT_SIZE = 2 * PL_NAME_SIZE };
 
 pl_gate_tolerances pl_gate_tolerances_default(void)
 {
@@ -38,9 +38,9 @@ static bool is_known(const char *name, char hint[HINT_SIZE])
     names[count++] = "verdict";
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         names[count++] = pl_metric_table[i].name;
-    }
-    for (int i = 0; i < PL_GATE_COST_COUNT; ++i) {
-        names[count++] = pl_gate_costs[i].ratio;
+        if (pl_metric_table[i].ratio != NULL) {
+            names[count++] = pl_metric_table[i].ratio;
+        }
     }
     for (int i = 0; i < count; ++i) {
         known |= strcmp(names[i], name) == 0;
@@ -111,7 +111,7 @@ pl_status pl_gate_tolerances_parse(const char *text, pl_gate_tolerances *toleran
 double pl_gate_tolerance_at(const pl_gate_tolerance *tolerance, int metric, double value, double dt)
 {
     double absolute = tolerance->absolute;
-    if (metric == PL_METRIC_SETTLE_TIME && !tolerance->given) {
+    if (pl_metric_is(metric, PL_TRAIT_TO_ONE_STEP) && !tolerance->given) {
         absolute += dt;
     }
     return fmax(absolute, tolerance->relative * fabs(value));
@@ -279,8 +279,7 @@ pl_status pl_gate_rule_parse(const char *text, pl_gate_rule *rule, pl_error *err
     }
     rule->op = operators[i].op;
     rule->is_text = strcmp(rule->metric, "outcome") == 0 || strcmp(rule->metric, "verdict") == 0 ||
-                    strcmp(rule->metric, "integrator") == 0 ||
-                    strcmp(rule->metric, "state_hash") == 0;
+                    pl_metric_is(pl_metric_by_name(rule->metric), PL_TRAIT_TEXT);
     if (rule->is_text && rule->op != PL_GATE_EQUAL && rule->op != PL_GATE_OTHER) {
         return fail_at(text, at, "== or != before a text", error);
     }

@@ -1,19 +1,16 @@
-/* Reads known_causes.json, plumb.known-causes/1:
+/* Reads known_causes.json, plumb.known-causes/2:
  *
- *     {"schema": "plumb.known-causes/1", "found_with": TEXT,
+ *     {"schema": "plumb.known-causes/2", "found_with": TEXT,
  *      "versions": {ENGINE: [OLDEST, NEWEST], ...}, "profiles": {ENGINE: [PROFILE, ...], ...}?,
- *      "causes": [{"engine": ENGINE, "profile": TEXT?, "outcome": TEXT?,
+ *      "causes": [{"id": TEXT, "engine": ENGINE, "profile": TEXT?, "outcome": TEXT?,
  *                  "versions": [OLDEST, NEWEST]?,
  *                  "scenarios": {SCENARIO: {PARAMETER: [LEAST, LARGEST], ...}, ...},
- *                  "cause": TEXT or null, "evidence": TEXT, "by": TEXT?,
- *                  "experiments": [{"run": "SCENARIO NAME=VALUE ...", "engines": [SPEC, ...],
- *                                   "outcome": TEXT, "metrics": {METRIC: [LEAST, LARGEST], ...}},
- *                                  ...]}, ...]}
+ *                  "cause": TEXT or null, "evidence": TEXT}, ...]}
  *
- * Each statement was found by an experiment: an option of the engine, the time step or the scene
- * was varied, or the adapter was changed for the purpose. tests/compare/test_known_causes_slow.sh
- * replays the experiments. What they cannot show is named by `by`: a modified adapter, a debugger, a
- * run that takes minutes. `h` in the texts is the scenario's time step. A number is given as such
+ * Each statement was found by experiments: an option of the engine, the time step or the scene was
+ * varied, or the adapter was changed for the purpose. They are in
+ * tests/compare/known_causes_experiments.json by the id of the statement, and
+ * tests/compare/test_known_causes_slow.sh replays them. `h` in the texts is the scenario's time step. A number is given as such
  * or as a text with a fraction, "1/240". Statements without versions have those of the whole file,
  * and those without a profile are about all profiles that the file lists for the engine.
  *
@@ -36,8 +33,8 @@ enum { MOST_BYTES = 1 << 20 };
 extern const char pl_known_causes_json[];
 
 static const char *const file_keys[] = {"schema", "found_with", "versions", "profiles", "causes"};
-static const char *const cause_keys[] = {"engine", "profile",  "outcome", "versions",   "scenarios",
-                                         "cause",  "evidence", "by",      "experiments"};
+static const char *const cause_keys[] = {"id",       "engine",    "profile", "outcome",
+                                         "versions", "scenarios", "cause",   "evidence"};
 static const pl_key_set file_set = PL_KEY_SET("known causes", file_keys);
 static const pl_key_set cause_set = PL_KEY_SET("known cause", cause_keys);
 
@@ -127,15 +124,12 @@ static bool read_cause(const json_t *json, const json_t *file, pl_known_cause *c
                        pl_diagnostic *diagnostic)
 {
     const json_t *versions = json_object_get(file, "versions");
-    const char *by = NULL;
-    const json_t *experiments = NULL;
     if (!pl_json_object(json, &cause_set, diagnostic) ||
+        !pl_json_string(json, "id", PL_REQUIRED, "a name", &cause->id, diagnostic) ||
         !pl_json_string(json, "engine", PL_REQUIRED, "an engine", &cause->engine, diagnostic) ||
         !pl_json_string(json, "profile", PL_OPTIONAL, "a profile", &cause->profile, diagnostic) ||
         !pl_json_string(json, "outcome", PL_OPTIONAL, "an outcome", &cause->outcome, diagnostic) ||
         !pl_json_string(json, "evidence", PL_REQUIRED, "a text", &cause->evidence, diagnostic) ||
-        !pl_json_string(json, "by", PL_OPTIONAL, "a text", &by, diagnostic) ||
-        !pl_json_array(json, "experiments", PL_REQUIRED, &experiments, diagnostic) ||
         !read_scenarios(json, cause, diagnostic)) {
         return false;
     }
@@ -169,8 +163,8 @@ static bool read_file(const json_t *json, void *user, pl_diagnostic *diagnostic)
         !pl_json_array(json, "causes", PL_REQUIRED, &array, diagnostic)) {
         return false;
     }
-    if (strcmp(schema, "plumb.known-causes/1") != 0) {
-        return pl_diagnose_field(diagnostic, "schema", "expected \"plumb.known-causes/1\"");
+    if (strcmp(schema, "plumb.known-causes/2") != 0) {
+        return pl_diagnose_field(diagnostic, "schema", "expected \"plumb.known-causes/2\"");
     }
     causes->json = json_incref((json_t *)json);
     causes->items = calloc(json_array_size(array) + 1, sizeof *causes->items);

@@ -1,5 +1,5 @@
-/* What in another engine causes its error in a scenario, and the experiment that showed it: the
- * statements of known_causes.json. */
+/* What in another engine causes its error in a scenario, and the evidence: the statements of
+ * known_causes.json. */
 #ifndef PLUMB_KNOWN_CAUSES_H
 #define PLUMB_KNOWN_CAUSES_H
 
@@ -9,6 +9,7 @@
 
 /* One statement. */
 typedef struct pl_known_cause {
+    const char *id;               /* names it in the file of its experiments */
     const char *engine, *profile; /* profile NULL: those in `profiles` */
     const json_t *profiles;       /* names; NULL: any */
     const char *outcome;          /* NULL: any except crashed and timeout */

@@ -20,7 +20,7 @@
  *
  * Memory is counted in whole pages, and the allocator takes some ahead of need: 256 KiB. The time
  * to rest is known to one step. */
-static const double value_floor = 1e-9, memory_noise = 256 * 1024, relative_noise = 0.1;
+static const double value_floor = 1e-9, relative_noise = 0.1;
 
 /* Of two values below this (SI) the ratio means nothing: such a value is the residual that a solver
  * ended with, as ours at a tolerance of 1e-8 m/s, or rounding. */
@@ -28,19 +28,15 @@ static const double near_rounding_level = 1e-7;
 
 static double floor_of(const pl_case *test_case, int metric)
 {
-    if (metric == PL_METRIC_MEMORY_PEAK) {
-        return memory_noise;
-    }
-    if (metric == PL_METRIC_SETTLE_TIME) {
-        const json_t *settings = json_object_get(test_case->result, "settings");
-        return fmax(value_floor, json_number_value(json_object_get(settings, "dt")));
-    }
-    return value_floor;
+    const json_t *settings = json_object_get(test_case->result, "settings");
+    const double step = json_number_value(json_object_get(settings, "dt"));
+    return fmax(fmax(value_floor, pl_metric_table[metric].noise),
+                pl_metric_is(metric, PL_TRAIT_TO_ONE_STEP) ? step : 0);
 }
 
 static bool is_measured(int metric)
 {
-    return !pl_metric_table[metric].deterministic;
+    return pl_metric_is(metric, PL_TRAIT_MEASURED);
 }
 
 /* Times and memory of different machines are not compared. */
@@ -55,22 +51,8 @@ static bool comparable(const pl_cell *a, const pl_cell *b, int metric)
 static bool is_worse(const pl_case *test_case, int metric, double value, double best)
 {
     double level = fmax(best, floor_of(test_case, metric));
-    if (metric == PL_METRIC_MEMORY_PEAK && value - best <= memory_noise) {
-        return false;
-    }
-    return value > (is_measured(metric) ? level * (1 + relative_noise) : level);
-}
-
-/* Whether the metric is better when lower, and means the same to every engine. */
-static bool is_compared(int metric)
-{
-    return pl_metric_table[metric].direction == PL_LOWER_IS_BETTER &&
-           metric != PL_METRIC_ITERATIONS_MEAN && metric != PL_METRIC_ITERATIONS_MAX &&
-           metric != PL_METRIC_RESIDUAL_MAX && metric != PL_METRIC_RESIDUAL_RMS &&
-           metric != PL_METRIC_INSTRUCTIONS_PER_STEP && /* time_per_step once more */
-           metric != PL_METRIC_WALL_TIME_PER_STEP && metric != PL_METRIC_TIME_CREATE &&
-           metric != PL_METRIC_WALL_TIME_CREATE && metric != PL_METRIC_TIME_READ &&
-           metric != PL_METRIC_WALL_TIME_READ; /* the table of times has them */
+    return value - best > pl_metric_table[metric].noise &&
+           value > (is_measured(metric) ? level * (1 + relative_noise) : level);
 }
 
 /* Returns the column of the other engine's ok run with the least value of the metric; -1: none. */
@@ -145,7 +127,7 @@ static void compare_run(const pl_result_matrix *matrix, pl_loss loss, pl_losses 
     }
     if (loss.our_cell->ok) {
         for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-            if (is_compared(id)) {
+            if (pl_metric_is(id, PL_TRAIT_COMPARED)) {
                 compare_metric(matrix, loss, id, losses);
             }
         }
@@ -228,7 +210,7 @@ static void write_rule(pl_text_buffer *text)
                 "engine whose outcome is ok: ");
     const char *separator = "";
     for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-        if (!is_compared(id)) {
+        if (!pl_metric_is(id, PL_TRAIT_COMPARED)) {
             continue;
         }
         pl_text_format(text, "%s%s", separator, pl_metric_table[id].name);

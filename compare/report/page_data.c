@@ -216,7 +216,7 @@ json_t *pl_page_data_metrics(void)
         json_array_append_new(
             array, json_pack("{s:s, s:s, s:s, s:b, s:s}", "name", info->name, "unit", info->unit,
                              "direction", directions[info->direction], "measured",
-                             (int)!info->deterministic, "definition", info->definition));
+                             pl_metric_is(id, PL_TRAIT_MEASURED), "definition", info->definition));
     }
     return array;
 }

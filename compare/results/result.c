@@ -219,9 +219,9 @@ static json_t *metric_json(const pl_metric *metric, const pl_metric_info *info)
                     : metric->state == PL_METRIC_TEXT
                         ? pl_json_text(metric->text, strlen(metric->text))
                         : json_null();
-    json_t *object =
-        json_pack("{s:o, s:s, s:s, s:b}", "value", value, "unit", unit, "direction",
-                  direction_name(info->direction), "deterministic", (int)info->deterministic);
+    json_t *object = json_pack("{s:o, s:s, s:s, s:b}", "value", value, "unit", unit, "direction",
+                               direction_name(info->direction), "deterministic",
+                               (info->traits & PL_TRAIT_MEASURED) == 0);
     if (!has_value && metric->state != PL_METRIC_TEXT) {
         const char *reason = metric->reason[0] != '\0' ? metric->reason : "the value is not finite";
         json_object_set_new(object, "reason", pl_json_text(reason, strlen(reason)));
@@ -405,14 +405,12 @@ json_t *pl_provenance(int argc, char *const *argv)
 bool pl_metric_is_deterministic(const json_t *metric, int id)
 {
     const json_t *given = json_object_get(metric, "deterministic");
-    return json_is_boolean(given) ? json_is_true(given)
-                                  : id < 0 || pl_metric_table[id].deterministic;
+    return json_is_boolean(given) ? json_is_true(given) : !pl_metric_is(id, PL_TRAIT_MEASURED);
 }
 
 const char *pl_metric_table_unit(int id)
 {
-    bool own = id == PL_METRIC_REFERENCE_ERROR || id == PL_METRIC_RESIDUAL_MAX ||
-               id == PL_METRIC_RESIDUAL_RMS;
-    return id < 0 || own || strcmp(pl_metric_table[id].unit, "1") == 0 ? ""
-                                                                       : pl_metric_table[id].unit;
+    const bool is_plain =
+        id < 0 || pl_metric_is(id, PL_TRAIT_OWN_UNIT) || strcmp(pl_metric_table[id].unit, "1") == 0;
+    return is_plain ? "" : pl_metric_table[id].unit;
 }

@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 
 /* The name of an item. */
 static const char *name_of(const pl_name_index *index, int item)
@@ -11,106 +10,36 @@ static const char *name_of(const pl_name_index *index, int item)
     return index->first_name + (size_t)item * index->stride;
 }
 
-/* The slot of the name, or the free one where it would be. The index has free slots. */
-static pl_name_slot *find_slot(const pl_name_index *index, const char *name, uint32_t hash)
-{
-    uint32_t place = hash & index->mask;
-    while (index->slots[place].number > 0 &&
-           (index->slots[place].hash != hash ||
-            strcmp(name_of(index, index->slots[place].number - 1), name) != 0)) {
-        place = (place + 1) & index->mask;
-    }
-    return &index->slots[place];
-}
-
-static uint64_t rotate(uint64_t x, int places)
-{
-    return x << places | x >> (64 - places);
-}
-
-static void sip_round(uint64_t v[4])
-{
-    v[0] += v[1];
-    v[2] += v[3];
-    v[1] = rotate(v[1], 13) ^ v[0];
-    v[3] = rotate(v[3], 16) ^ v[2];
-    v[0] = rotate(v[0], 32);
-    v[2] += v[1];
-    v[0] += v[3];
-    v[1] = rotate(v[1], 17) ^ v[2];
-    v[3] = rotate(v[3], 21) ^ v[0];
-    v[2] = rotate(v[2], 32);
-}
-
-/* SipHash-1-3: Aumasson and Bernstein, SipHash: a fast short-input PRF, 2012. */
-static uint32_t hash_of(const pl_name_index *index, const char *name)
-{
-    const size_t length = strlen(name);
-    uint64_t v[4] = {
-        index->key[0] ^ UINT64_C(0x736f6d6570736575), index->key[1] ^ UINT64_C(0x646f72616e646f6d),
-        index->key[0] ^ UINT64_C(0x6c7967656e657261), index->key[1] ^ UINT64_C(0x7465646279746573)};
-    for (size_t at = 0; at <= length; at += 8) {
-        uint64_t word = at + 8 > length ? (uint64_t)length << 56 : 0;
-        memcpy(&word, name + at, length - at < 8 ? length - at : 8);
-        v[3] ^= word;
-        sip_round(v);
-        v[0] ^= word;
-    }
-    v[2] ^= 0xff;
-    for (int i = 0; i < 3; ++i) {
-        sip_round(v);
-    }
-    const uint64_t hash = v[0] ^ v[1] ^ v[2] ^ v[3];
-    return (uint32_t)(hash ^ hash >> 32);
-}
-
-/* Where the system has no random numbers, addresses serve, which it draws for each process. */
-static void draw_key(pl_name_index *index, const void *address)
-{
-    if (getrandom(index->key, sizeof index->key, GRND_NONBLOCK) != sizeof index->key) {
-        index->key[0] = (uint64_t)(uintptr_t)address;
-        index->key[1] = (uint64_t)(uintptr_t)&index;
-    }
-}
-
 pl_status pl_name_index_create(const char *first_name, size_t stride, int count,
                                pl_name_index *index)
 {
-    uint32_t size = 2;
-    *index = (pl_name_index){.duplicate = -1};
-    if (count == 0) {
-        return PL_OK;
+    *index = (pl_name_index){first_name, stride, count, -1, json_object()};
+    bool made = index->numbers != NULL;
+    /* The first item of a name is set last, and stays. */
+    for (int i = count - 1; i >= 0 && made; --i) {
+        made = json_object_set_new_nocheck(index->numbers, name_of(index, i), json_integer(i)) == 0;
     }
-    while (size / 2 < (uint32_t)count) {
-        size *= 2;
-    }
-    pl_name_slot *slots = calloc(size, sizeof *slots);
-    if (slots == NULL) {
+    if (!made) {
+        pl_name_index_free(index);
         return PL_NO_MEMORY;
     }
-    *index = (pl_name_index){first_name, stride, count, -1, slots, size - 1, {0, 0}};
-    draw_key(index, slots);
-    for (int i = 0; i < count; ++i) {
-        const uint32_t hash = hash_of(index, name_of(index, i));
-        pl_name_slot *slot = find_slot(index, name_of(index, i), hash);
-        if (slot->number == 0) {
-            *slot = (pl_name_slot){hash, i + 1};
-        } else if (index->duplicate < 0) {
-            index->duplicate = i;
-        }
+    const bool is_unique = json_object_size(index->numbers) == (size_t)count;
+    for (int i = 0; i < count && !is_unique && index->duplicate < 0; ++i) {
+        index->duplicate = pl_name_index_find(index, name_of(index, i)) == i ? -1 : i;
     }
     return PL_OK;
 }
 
 void pl_name_index_free(pl_name_index *index)
 {
-    free(index->slots);
+    json_decref(index->numbers);
     *index = (pl_name_index){.duplicate = -1};
 }
 
 int pl_name_index_find(const pl_name_index *index, const char *name)
 {
-    return index->slots == NULL ? -1 : find_slot(index, name, hash_of(index, name))->number - 1;
+    const json_t *number = json_object_get(index->numbers, name);
+    return number == NULL ? -1 : (int)json_integer_value(number);
 }
 
 int pl_name_index_duplicate(const pl_name_index *index)

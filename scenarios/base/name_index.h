@@ -4,25 +4,17 @@
 
 #include "plumb/base.h"
 
+#include <jansson.h>
 #include <stddef.h>
-#include <stdint.h>
 
-/* The place of an item in the index. */
-typedef struct pl_name_slot {
-    uint32_t hash; /* of the name */
-    int number;    /* 1 + the number of the item; 0: there is none */
-} pl_name_slot;
-
-/* An open-addressed hash table of names. Its hash has a random key, so that no list of names can be
- * chosen to fall into one place. */
+/* An index of names. Its hash is jansson's, with a random key, so that no list of names can be chosen to
+ * fall into one place. {0} finds nothing. */
 typedef struct pl_name_index {
     const char *first_name; /* borrowed, as all names */
     size_t stride;
     int count;
-    int duplicate;       /* the lowest number of an item whose name an earlier item has; -1: none */
-    pl_name_slot *slots; /* (mask + 1), a power of two, at most half of them used */
-    uint32_t mask;
-    uint64_t key[2];
+    int duplicate;   /* the lowest number of an item whose name an earlier item has; -1: none */
+    json_t *numbers; /* name -> the number of its first item */
 } pl_name_index;
 
 /* Makes an index of `count` items, `stride` bytes apart, whose name begins at `first_name` and ends

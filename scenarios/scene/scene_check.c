@@ -107,16 +107,14 @@ static bool check_primary_error(const pl_scene *scene, pl_diagnostic *diagnostic
         return pl_diagnose_field(diagnostic, "primary",
                                  "expected a metric, found text without an end");
     }
-    bool known = false;
-    for (int i = 0; i < PL_PRIMARY_ERROR_COUNT; ++i) {
-        known = known || strcmp(primary, pl_primary_errors[i]) == 0;
-    }
-    if (!known) {
-        const char *nearest = pl_nearest_name(primary, pl_primary_errors, PL_PRIMARY_ERROR_COUNT);
+    int count;
+    const char *const *names = pl_primary_errors(&count);
+    const char *nearest = pl_nearest_name(primary, names, count);
+    if (nearest == NULL || strcmp(nearest, primary) != 0) {
         char quoted[PL_QUOTED_SIZE];
-        return pl_diagnose_field(
-            diagnostic, "primary", "expected a metric such as \"%s\", found %s",
-            nearest != NULL ? nearest : pl_primary_errors[0], pl_quoted(primary, quoted));
+        return pl_diagnose_field(diagnostic, "primary",
+                                 "expected a metric such as \"%s\", found %s",
+                                 nearest != NULL ? nearest : names[0], pl_quoted(primary, quoted));
     }
     if (strncmp(primary, "rest_", 5) == 0 && scene->rest_count == 0) {
         return pl_diagnose_field(diagnostic, "primary",

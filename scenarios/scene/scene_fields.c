@@ -7,23 +7,30 @@
 
 #define COUNT_OF(array) ((int)(sizeof(array) / sizeof(array)[0]))
 
-const char *const pl_primary_errors[PL_PRIMARY_ERROR_COUNT] = {"rest_position_error",
-                                                               "rest_rotation_error",
-                                                               "travel_error",
-                                                               "value_error",
-                                                               "discrete_error",
-                                                               "penetration_max",
-                                                               "penetration_rest",
-                                                               "drift",
-                                                               "creep",
-                                                               "energy_gain",
-                                                               "momentum_error",
-                                                               "statistics_error",
-                                                               "chaotic_error",
-                                                               "path_deviation",
-                                                               "lift",
-                                                               "settle_time",
-                                                               "energy_lost"};
+/* A new one is also in scene.schema.json, which is made from the table of fields. */
+static const char *const primary_errors[] = {"rest_position_error",
+                                             "rest_rotation_error",
+                                             "travel_error",
+                                             "value_error",
+                                             "discrete_error",
+                                             "penetration_max",
+                                             "penetration_rest",
+                                             "drift",
+                                             "creep",
+                                             "energy_gain",
+                                             "momentum_error",
+                                             "statistics_error",
+                                             "chaotic_error",
+                                             "path_deviation",
+                                             "lift",
+                                             "settle_time",
+                                             "energy_lost"};
+
+const char *const *pl_primary_errors(int *count)
+{
+    *count = COUNT_OF(primary_errors);
+    return primary_errors;
+}
 
 const char *const pl_shape_names[PL_SHAPE_KIND_COUNT] = {
     [PL_SHAPE_PLANE] = "plane",     [PL_SHAPE_SPHERE] = "sphere",     [PL_SHAPE_BOX] = "box",
@@ -275,7 +282,7 @@ static const pl_field expect_fields[] = {
     {"same_bits", PL_FIELD_BOOL, offsetof(pl_scene, same_bits), .line = 4, OMITTED,
      .about = "whether a second run in the same process is to have the same states, bit for bit"},
     {"primary", PL_FIELD_METRIC, offsetof(pl_scene, primary_error), .line = 4,
-     WORDS(pl_primary_errors),
+     WORDS(primary_errors),
      .about = "the metric that reference_error copies; travel_error where there is a travel, "
               "value_error where there is a value, rest_position_error where there is a rest, else "
               "statistics_error where there is a statistic, else none"},

@@ -142,13 +142,8 @@ extern const pl_range_rule pl_range_rules[];
 /* Whether `value` lies in the range; a NaN lies in none. */
 bool pl_range_holds(pl_range range, double value);
 
-enum { PL_PRIMARY_ERROR_COUNT = 17 };
-
 /* The newest version of the format. Older ones are read alike. */
 enum { PL_SCENE_VERSION = 2 };
-
-/* The metrics that a scene may name as its primary error. */
-extern const char *const pl_primary_errors[PL_PRIMARY_ERROR_COUNT];
 
 /* The names of the shapes, by pl_shape_kind. */
 extern const char *const pl_shape_names[PL_SHAPE_KIND_COUNT];

@@ -80,7 +80,7 @@ static pl_status collect(const pl_scene *scene, char (*names)[PL_NAME_SIZE],
 static pl_status polyhedron_names_create(const pl_scene *scene, polyhedron_names *names)
 {
     const size_t count = (size_t)scene->polyhedron_count;
-    pl_name_index taken = {.slots = NULL};
+    pl_name_index taken = {.numbers = NULL};
     pl_status status = PL_NO_MEMORY;
     int *uses = NULL;
     char(*own)[PL_NAME_SIZE] = calloc(count + 1, sizeof *own);

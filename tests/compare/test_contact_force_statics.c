@@ -1,5 +1,5 @@
 /* Statics by the contact forces that engines report: the load at each joint of a stack. */
-#include "referee/metrics/contact_force.h"
+#include "referee/metrics/modules.h"
 
 #include "check.h"
 #include "plumb/scenario.h"
@@ -20,7 +20,7 @@ typedef struct stand {
     pl_contact *contacts;
     int count, capacity;
     pl_arena arena;
-    pl_contact_force *force;
+    void *force; /* the state of pl_contact_force_module */
     long steps;
 } stand;
 
@@ -46,7 +46,7 @@ static void stand_begin(stand *s, const char *scenario, const char *const *setti
     s->before = calloc((size_t)s->scene.body_count, sizeof *s->before);
     s->capacity = 64 * s->scene.body_count;
     s->contacts = calloc((size_t)s->capacity, sizeof *s->contacts);
-    s->force = pl_contact_force_create(&s->scene, &s->arena);
+    s->force = pl_contact_force_module.create(&s->scene, &s->arena);
     assert_true(s->frame.bodies != NULL && s->before != NULL && s->contacts != NULL &&
                 s->force != NULL);
     s->session = pl_session_begin(&s->choice);
@@ -64,18 +64,21 @@ static void stand_step(stand *s)
     assert_int_equal(
         pl_session_read_contacts(&s->session, &s->contacts, &s->capacity, &s->count, NULL), PL_OK);
     s->steps += 1;
-    pl_contact_force_step(s->force, &(pl_step){.number = s->steps,
-                                               .before = s->before,
-                                               .after = s->frame.bodies,
-                                               .contacts = s->contacts,
-                                               .contact_count = s->count});
+    const pl_run_view view = {.scene = &s->scene,
+                              .step = {.number = s->steps,
+                                       .before = s->before,
+                                       .after = s->frame.bodies,
+                                       .contacts = s->contacts,
+                                       .contact_count = s->count}};
+    pl_contact_force_module.see(s->force, &view);
 }
 
 /* Over all steps. The integrator does not matter, because no force turns. */
 static double stand_balance(const stand *s)
 {
     pl_metrics metrics = {.item = {{0}}};
-    pl_contact_force_metrics(s->force, PL_SEMI_IMPLICIT, metrics.item);
+    pl_contact_force_module.collect(s->force, &(pl_run_view){.integrator = PL_SEMI_IMPLICIT},
+                                    metrics.item);
     assert_int_equal(metrics.item[PL_METRIC_FORCE_BALANCE].state, PL_METRIC_VALUE);
     return metrics.item[PL_METRIC_FORCE_BALANCE].value;
 }
@@ -88,6 +91,19 @@ static void stand_end(stand *s)
     free(s->frame.bodies);
     free(s->before);
     free(s->contacts);
+}
+
+/* The force on body b of the contacts between a and b, mean over the last step: N, world frame. */
+static pl_vec force_between(const stand *s, int a, int b)
+{
+    pl_vec sum = {0, 0, 0};
+    for (int i = 0; i < s->count; ++i) {
+        const pl_contact *c = &s->contacts[i];
+        if ((c->body_a == a && c->body_b == b) || (c->body_a == b && c->body_b == a)) {
+            sum = pl_vec_mad(sum, (c->body_b == b ? 1 : -1) / s->scene.dt, pl_vec_of(c->impulse));
+        }
+    }
+    return sum;
 }
 
 enum { FLOOR = 0 };
@@ -109,7 +125,7 @@ static double ladder_error(const stand *s, double *sideways)
     double worst = 0;
     *sideways = 0;
     for (int i = 1; i < s->scene.body_count; ++i) {
-        pl_vec f = pl_contact_force_between(s->contacts, s->count, i - 1, i, s->scene.dt);
+        pl_vec f = force_between(s, i - 1, i);
         double due = weight_of(s, i);
         worst = fmax(worst, fabs(f.z / due - 1));
         *sideways = fmax(*sideways, hypot(f.x, f.y) / due);
@@ -122,7 +138,7 @@ static double floor_error(const stand *s)
 {
     double sum = 0;
     for (int i = 1; i < s->scene.body_count; ++i) {
-        sum += pl_contact_force_between(s->contacts, s->count, FLOOR, i, s->scene.dt).z;
+        sum += force_between(s, FLOOR, i).z;
     }
     return sum / weight_of(s, 1) - 1;
 }

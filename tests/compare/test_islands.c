@@ -1,6 +1,6 @@
 /* Islands against a flood fill, and the energy that an island gains in a step, of motions that are
  * defined here. */
-#include "referee/metrics/touching.h"
+#include "referee/metrics/modules.h"
 
 #include "check.h"
 #include "synthetic_run.h"
@@ -99,7 +99,8 @@ static void test_unknown_gap_fails_penetration_from_any_step(void **state)
             pl_touching_see(touching, &pair);
             pl_touching_end(touching);
         }
-        pl_touching_metrics(touching, item);
+        const pl_run_view view = {.scene = &scene, .touching = touching};
+        pl_touching_module.collect(NULL, &view, item);
         snprintf(reason, sizeof reason, "no gap found for \"a\" and \"b\" at step %ld", first);
         assert_int_equal(item[PL_METRIC_PENETRATION_MAX].state, PL_METRIC_FAILED);
         assert_int_equal(item[PL_METRIC_PENETRATION_REST].state, PL_METRIC_FAILED);

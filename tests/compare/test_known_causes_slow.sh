@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# Replays an experiment of each cause in compare/report/known_causes.json; all where REPLAY=all, as
-# compare/state does. Fails with the name of a cause when an outcome or a number is not the recorded one, or
+# Replays an experiment of each cause in compare/report/known_causes.json, from known_causes_experiments.json; all
+# where REPLAY=all, as compare/state does. What no experiment shows is named there by `by`: a modified adapter, a
+# debugger, a run that takes minutes. Fails with the name of a cause when an outcome or a number is not the recorded one, or
 # when a statement covers a profile or the end of a range in which nobody ran it.
 set -eu
-exec python3 - "$PLUMB" "$SOURCE/compare/report/known_causes.json" <<'END'
+exec python3 - "$PLUMB" "$SOURCE/compare/report/known_causes.json" \
+    "$SOURCE/tests/compare/known_causes_experiments.json" <<'END'
 import concurrent.futures
 import json
 import os
@@ -11,9 +13,12 @@ import re
 import subprocess
 import sys
 
-plumb, path = sys.argv[1:]
-with open(path) as file:
+plumb, path, experiments_path = sys.argv[1:]
+with open(path) as file, open(experiments_path) as experiments_file:
     known = json.load(file)
+    shown = json.load(experiments_file)
+for cause in known["causes"]:
+    cause.update(shown[cause["id"]])
 listed = subprocess.run([plumb, "list", "engines"], capture_output=True, text=True, check=True).stdout
 versions = dict(re.findall(r"^([a-z0-9-]+) +([0-9][0-9.]*) ", listed, re.M))
 profiles = [f"{engine}:{profile}" for engine, names in known["profiles"].items() for profile in names]

@@ -18,7 +18,7 @@ static void test_every_metric_has_name_unit_and_definition(void **state)
         bool is_cost = strstr(info->name, "time_") == info->name ||
                        strstr(info->name, "wall_time_") == info->name ||
                        i == PL_METRIC_INSTRUCTIONS_PER_STEP || i == PL_METRIC_MEMORY_PEAK;
-        assert_int_equal(info->deterministic, !is_cost);
+        assert_int_equal(pl_metric_is(i, PL_TRAIT_MEASURED), is_cost);
     }
     assert_int_equal(pl_metric_by_name("penetration"), -1);
     assert_int_equal(pl_metric_by_name(""), -1);
@@ -311,6 +311,31 @@ static void test_state_hash_changes_with_one_bit(void **state)
     assert_string_not_equal(zero, minus_zero);
 }
 
+/* A box that falls on a floor, by an engine that reports its contacts. */
+static void test_table_says_which_metrics_have_percentiles(void **state)
+{
+    (void)state;
+    run r;
+    run_prepare_box_on_floor(&r, 64 * H);
+    run_expect_travel(&r, 1, 1, 1);
+    run_begin(&r);
+    const pl_contact contact = {.body_b = 1, .normal = {[2] = 1}, .impulse = {2, 0, 2}};
+    for (int k = 1; k <= 64; ++k) {
+        r.stats = (pl_step_stats){.iterations = 1, .residual = 1, .contacts = 1};
+        r.state[1].velocity[0] = 1;
+        r.state[1].position[2] = k < 32 ? 9 : 0.5;
+        assert_int_equal(run_step_with(&r, &contact, k < 32 ? 0 : 1), PL_ENDING_OK);
+    }
+    (void)run_finish(&r);
+    for (int id = PL_METRIC_REFERENCE_ERROR + 1; id < PL_METRIC_COUNT; ++id) {
+        const bool has_percentiles = r.metrics.item[id].has_percentiles;
+        if (has_percentiles != pl_metric_is(id, PL_TRAIT_OVER_STEPS)) {
+            fail_msg("%s: percentiles %d", pl_metric_table[id].name, has_percentiles);
+        }
+    }
+    run_end(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -326,6 +351,7 @@ int main(void)
         cmocka_unit_test(test_speed_bound_is_that_of_its_definition),
         cmocka_unit_test(test_early_end_leaves_the_maxima),
         cmocka_unit_test(test_statistics_of_steps),
+        cmocka_unit_test(test_table_says_which_metrics_have_percentiles),
         cmocka_unit_test(test_metrics_that_no_step_reports_have_no_value),
         cmocka_unit_test(test_state_hash_changes_with_one_bit),
     };

@@ -308,19 +308,41 @@ static void test_every_known_cause_can_be_reached(void **state)
     pl_known_causes_free(&causes);
 }
 
+/* Each statement has a name of its own, by which the file of experiments has it; that file has no other. */
+static void test_experiments_are_those_of_the_causes(void **state)
+{
+    (void)state;
+    pl_known_causes causes;
+    json_error_t error;
+    json_t *experiments =
+        json_load_file(PLUMB_SOURCE_DIR "/tests/compare/known_causes_experiments.json",
+                       JSON_REJECT_DUPLICATES, &error);
+    assert_true(json_is_object(experiments));
+    read_causes(&causes);
+    for (int i = 0; i < causes.count; ++i) {
+        if (json_object_del(experiments, causes.items[i].id) != 0) {
+            fail_msg("causes[%d]: \"%s\" has no experiments, or an earlier cause has that name", i,
+                     causes.items[i].id);
+        }
+    }
+    assert_int_equal(json_object_size(experiments), 0);
+    pl_known_causes_free(&causes);
+    json_decref(experiments);
+}
+
 static const char sample_causes[] =
-    "{\"schema\": \"plumb.known-causes/1\",\n"
+    "{\"schema\": \"plumb.known-causes/2\",\n"
     " \"found_with\": \"two engines\",\n"
     " \"versions\": {\"ode\": [\"1.0\", \"1.2\"]},\n"
     " \"causes\": [\n"
-    "  {\"engine\": \"ode\", \"scenarios\": {\"tower\": {\"n\": [5, 20]}},\n"
-    "   \"cause\": null, \"evidence\": \"nothing changed it\", \"experiments\": []}]}\n";
+    "  {\"id\": \"a\", \"engine\": \"ode\", \"scenarios\": {\"tower\": {\"n\": [5, 20]}},\n"
+    "   \"cause\": null, \"evidence\": \"nothing changed it\"}]}\n";
 
 static void test_malformed_causes_are_named_with_their_place(void **state)
 {
     (void)state;
     static const text_fault faults[] = {
-        {"plumb.known-causes/1", "plumb.known-causes/2", "schema", "expected"},
+        {"plumb.known-causes/2", "plumb.known-causes/1", "schema", "expected"},
         {"\"found_with\": \"two engines\"", "\"found_with\": 2", "found_with", "found 2"},
         {"\"ode\", \"scenarios\"", "\"bullet\", \"scenarios\"", "causes[0].engine", "versions"},
         {"[\"1.0\", \"1.2\"]", "[\"1.2\", \"1.0\"]", "causes[0].engine", "oldest"},
@@ -333,8 +355,8 @@ static void test_malformed_causes_are_named_with_their_place(void **state)
         {"[5, 20]", "[5, 1e9]", "causes[0].scenarios.tower.n", "the least and the largest"},
         {"null", "7", "causes[0].cause", "found 7"},
         {"\"evidence\"", "\"evidenc\"", "causes[0]", "evidenc"},
-        {"\"experiments\": []", "\"experiments\": 1", "causes[0].experiments", "found 1"},
-        {", \"experiments\": []", "", "causes[0]", "experiments"},
+        {"\"id\": \"a\"", "\"id\": 1", "causes[0].id", "found 1"},
+        {"\"id\": \"a\", ", "", "causes[0]", "id"},
     };
     pl_known_causes causes;
     assert_int_equal(pl_known_causes_read(sample_causes, "x", &causes, NULL), PL_OK);
@@ -446,6 +468,7 @@ int main(void)
         cmocka_unit_test(test_other_versions_parameters_and_options_have_no_cause),
         cmocka_unit_test(test_pages_show_a_cause_only_where_it_applies),
         cmocka_unit_test(test_every_known_cause_can_be_reached),
+        cmocka_unit_test(test_experiments_are_those_of_the_causes),
         cmocka_unit_test(test_malformed_causes_are_named_with_their_place),
         cmocka_unit_test(test_stepping_and_contact_errors_are_listed_separately),
         cmocka_unit_test(test_without_both_errors_there_is_no_such_section),

@@ -15,9 +15,8 @@
  * that it states (contact_motion.h), and h the length of its interval.
  * A correct bounce has r_n > 0 and u_n > 0, so the last two metrics leave out pairs with
  * restitution. */
-#include "contact_force.h"
-
 #include "contact_motion.h"
+#include "modules.h"
 #include "referee/geometry/solid.h"
 #include "series.h"
 
@@ -38,7 +37,7 @@ typedef struct worst {
     double cone, signorini, natural_map;
 } worst;
 
-struct pl_contact_force {
+typedef struct contact_force {
     const pl_scene *scene;
     pl_contact_motion *motion;
     pl_arena *arena;
@@ -51,7 +50,7 @@ struct pl_contact_force {
     pl_series series[SERIES_COUNT];
     bool unreported; /* in some step the engine reported no contacts */
     bool no_memory;  /* for the contacts of some step */
-};
+} contact_force;
 
 enum { PIECE = 512 /* bodies, or contacts, that are judged together */ };
 
@@ -70,7 +69,7 @@ typedef struct touch {
 } touch;
 
 /* The memory of smaller arrays is the arena's until its end. */
-static bool reserve(pl_contact_force *f, int count)
+static bool reserve(contact_force *f, int count)
 {
     if (count <= f->capacity) {
         return true;
@@ -82,9 +81,9 @@ static bool reserve(pl_contact_force *f, int count)
     return f->capacity > 0;
 }
 
-pl_contact_force *pl_contact_force_create(const pl_scene *scene, pl_arena *arena)
+static void *create(const pl_scene *scene, pl_arena *arena)
 {
-    pl_contact_force *f = pl_arena_take(arena, 1, sizeof *f);
+    contact_force *f = pl_arena_take(arena, 1, sizeof *f);
     if (f == NULL) {
         return NULL;
     }
@@ -111,7 +110,7 @@ static double larger(double a, double b)
 
 /* ---- The balance of each body ---- */
 
-static void add_applied_forces(pl_contact_force *f, const pl_step *step)
+static void add_applied_forces(contact_force *f, const pl_step *step)
 {
     double dt = f->scene->dt;
     for (int i = 0; i < f->scene->force_count; ++i) {
@@ -127,7 +126,7 @@ static void add_applied_forces(pl_contact_force *f, const pl_step *step)
 }
 
 /* Finds the impulses on a body by gravity and contacts, less their effect. */
-static pl_vec excess_of(const pl_contact_force *f, const pl_step *step, int body)
+static pl_vec excess_of(const contact_force *f, const pl_step *step, int body)
 {
     const pl_vec change =
         pl_vec_sub(pl_vec_of(step->after[body].velocity), pl_vec_of(step->before[body].velocity));
@@ -138,14 +137,14 @@ static pl_vec excess_of(const pl_contact_force *f, const pl_step *step, int body
 
 /* A step on its way to its worst values. */
 typedef struct judging {
-    pl_contact_force *force;
+    contact_force *force;
     const pl_step *step;
 } judging;
 
 static void see_bodies(void *context, int begin, int end)
 {
     const judging *j = context;
-    const pl_contact_force *f = j->force;
+    const contact_force *f = j->force;
     for (int i = begin; i < end; ++i) {
         const pl_body *body = &f->scene->bodies[i];
         if (!body->is_static) {
@@ -158,7 +157,7 @@ static void see_bodies(void *context, int begin, int end)
     }
 }
 
-static void see_balance(pl_contact_force *f, const pl_step *step)
+static void see_balance(contact_force *f, const pl_step *step)
 {
     const pl_scene *scene = f->scene;
     double fall = scene->dt * f->gravity;
@@ -204,7 +203,7 @@ static pl_vec point_velocity(const pl_scene *scene, int index, const pl_contact 
 }
 
 /* Adds one body's part in a contact at `arm` to `t`. */
-static void add_side(const pl_contact_force *f, int index, pl_vec arm, touch *t)
+static void add_side(const contact_force *f, int index, pl_vec arm, touch *t)
 {
     const pl_body *body = &f->scene->bodies[index];
     if (body->is_static) {
@@ -234,7 +233,7 @@ static bool acts_at_middle(const pl_contact_time *time)
 }
 
 /* Contact i of the step. */
-static touch touch_of(const pl_contact_force *f, int i, const pl_contact_velocity *velocity,
+static touch touch_of(const contact_force *f, int i, const pl_contact_velocity *velocity,
                       const pl_step *step)
 {
     const pl_scene *scene = f->scene;
@@ -294,7 +293,7 @@ static double natural_map(const touch *t)
 
 /* Friction of a contact that bears a load, in a scene with gravity. Returns its ratio to the normal
  * impulse where the contact slides, and NAN elsewhere. */
-static double see_friction(const pl_contact_force *f, const touch *t, worst *most)
+static double see_friction(const contact_force *f, const touch *t, worst *most)
 {
     double normal = t->normal_impulse, tangent = pl_vec_length(t->tangent_impulse);
     if (!(t->friction > 0 && t->weight > 0 && normal > LIGHT * t->weight)) {
@@ -307,7 +306,7 @@ static double see_friction(const pl_contact_force *f, const touch *t, worst *mos
     return slides ? tangent / normal : (double)NAN;
 }
 
-static double see_contact(const pl_contact_force *f, const pl_step *step, int i,
+static double see_contact(const contact_force *f, const pl_step *step, int i,
                           const pl_contact_velocity *velocity, worst *most)
 {
     const touch t = touch_of(f, i, velocity, step);
@@ -323,7 +322,7 @@ static double see_contact(const pl_contact_force *f, const pl_step *step, int i,
     return slide;
 }
 
-static pl_contact_velocity velocity_of(const pl_contact_force *f, const pl_step *step, int i)
+static pl_contact_velocity velocity_of(const contact_force *f, const pl_step *step, int i)
 {
     if (step->times != NULL) {
         return pl_contact_motion_velocity(f->motion, step, i);
@@ -336,7 +335,7 @@ static pl_contact_velocity velocity_of(const pl_contact_force *f, const pl_step 
 static void see_contacts(void *context, int begin, int end)
 {
     const judging *j = context;
-    const pl_contact_force *f = j->force;
+    const contact_force *f = j->force;
     worst most = {-1, -1, -1};
     for (int i = begin; i < end; ++i) {
         const pl_contact_velocity velocity = velocity_of(f, j->step, i);
@@ -345,15 +344,21 @@ static void see_contacts(void *context, int begin, int end)
     f->most[begin / PIECE] = most;
 }
 
-static void add_worst(pl_contact_force *f, series_id id, double value, long step)
+static void add_worst(contact_force *f, series_id id, double value, long step)
 {
     if (value >= 0) {
         pl_series_add(&f->series[id], value, step);
     }
 }
 
-void pl_contact_force_step(pl_contact_force *f, const pl_step *step)
+/* After a step whose contacts are not reported, none of the metrics applies. */
+static void see(void *state, const pl_run_view *view)
 {
+    contact_force *f = state;
+    const pl_step *step = &view->step;
+    if (step->number == 0) {
+        return;
+    }
     f->unreported = f->unreported || step->contact_count < 0;
     if (f->unreported || f->no_memory) {
         return;
@@ -387,7 +392,7 @@ void pl_contact_force_step(pl_contact_force *f, const pl_step *step)
 
 /* ---- The metrics ---- */
 
-static pl_metric metric_of(const pl_contact_force *f, const pl_series *series, double value)
+static pl_metric metric_of(const contact_force *f, const pl_series *series, double value)
 {
     if (f->no_memory) {
         return pl_metric_failed("no memory for the contacts of a step");
@@ -396,10 +401,10 @@ static pl_metric metric_of(const pl_contact_force *f, const pl_series *series, d
     return applies ? pl_series_metric(series, value) : (pl_metric){0};
 }
 
-void pl_contact_force_metrics(const pl_contact_force *f, pl_position_rule integrator,
-                              pl_metric *item)
+static void collect(void *state, const pl_run_view *view, pl_metric *item)
 {
-    const pl_series *s = f->series, *balance = &s[OF_BALANCE + (int)integrator];
+    const contact_force *f = state;
+    const pl_series *s = f->series, *balance = &s[OF_BALANCE + (int)view->integrator];
     item[PL_METRIC_FORCE_BALANCE] = metric_of(f, balance, balance->max);
     item[PL_METRIC_CONE_VIOLATION] = metric_of(f, &s[OF_CONE], s[OF_CONE].max);
     item[PL_METRIC_FRICTION_EFFECTIVE] =
@@ -408,14 +413,4 @@ void pl_contact_force_metrics(const pl_contact_force *f, pl_position_rule integr
     item[PL_METRIC_NATURAL_MAP] = metric_of(f, &s[OF_NATURAL_MAP], s[OF_NATURAL_MAP].max);
 }
 
-pl_vec pl_contact_force_between(const pl_contact *contacts, int count, int a, int b, double dt)
-{
-    pl_vec sum = {0, 0, 0};
-    for (int i = 0; i < count; ++i) {
-        const pl_contact *c = &contacts[i];
-        if ((c->body_a == a && c->body_b == b) || (c->body_a == b && c->body_b == a)) {
-            sum = pl_vec_mad(sum, (c->body_b == b ? 1 : -1) / dt, pl_vec_of(c->impulse));
-        }
-    }
-    return sum;
-}
+const pl_module pl_contact_force_module = {create, see, collect, .needs_no_motion = false};

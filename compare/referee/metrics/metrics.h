@@ -1,5 +1,5 @@
 /* The metrics of a run and how it ended. Names, units and directions of metrics are stable, because
- * gates and scripts depend on them. The definitions are in the table in metrics.c. */
+ * gates and scripts depend on them. All that is known of a metric is in its row of metrics.def. */
 #ifndef PLUMB_METRICS_H
 #define PLUMB_METRICS_H
 
@@ -7,71 +7,51 @@
 
 #include <stdbool.h>
 
-/* The metrics, in the order of the table in metrics.c. */
+/* The metrics, as metrics.def lists them: PL_METRIC_DRIFT is of the row METRIC(DRIFT, ...). */
 typedef enum pl_metric_id {
-    PL_METRIC_REFERENCE_ERROR,
-    PL_METRIC_REST_POSITION_ERROR,
-    PL_METRIC_REST_ROTATION_ERROR,
-    PL_METRIC_TRAVEL_ERROR,
-    PL_METRIC_VALUE_ERROR,
-    PL_METRIC_DISCRETE_ERROR,
-    PL_METRIC_STATISTICS_ERROR,
-    PL_METRIC_CHAOTIC_ERROR,
-    PL_METRIC_EXPECTATION_ERROR,
-    PL_METRIC_PATH_DEVIATION,
-    PL_METRIC_LIFT,
-    PL_METRIC_PENETRATION_MAX,
-    PL_METRIC_PENETRATION_REST,
-    PL_METRIC_DRIFT,
-    PL_METRIC_CREEP,
-    PL_METRIC_UNEXPLAINED_MOTION,
-    PL_METRIC_FREE_FLIGHT_ERROR,
-    PL_METRIC_ENERGY_GAIN,
-    PL_METRIC_ENERGY_STEP_GAIN,
-    PL_METRIC_MOMENTUM_ERROR,
-    PL_METRIC_FORCE_BALANCE, /* these five: from the contacts that the engine reports */
-    PL_METRIC_CONE_VIOLATION,
-    PL_METRIC_FRICTION_EFFECTIVE,
-    PL_METRIC_SIGNORINI,
-    PL_METRIC_NATURAL_MAP,
-    PL_METRIC_SETTLE_TIME,
-    PL_METRIC_SPREAD_X, /* these two: only with two dynamic bodies or more */
-    PL_METRIC_SPREAD_Y,
-    PL_METRIC_MASS_HEIGHT,
-    PL_METRIC_RUN_OUT_P95,
-    PL_METRIC_ENERGY_LOST,
-    PL_METRIC_ITERATIONS_MEAN,
-    PL_METRIC_ITERATIONS_MAX,
-    PL_METRIC_ITERATIONS_TO_TOLERANCE, /* of several runs: set by plumb compare */
-    PL_METRIC_RESIDUAL_MAX,
-    PL_METRIC_RESIDUAL_RMS,
-    PL_METRIC_CONTACTS_MEAN,
-    PL_METRIC_TIME_PER_STEP,
-    PL_METRIC_WALL_TIME_PER_STEP, /* these seven: set by the runner */
-    PL_METRIC_TIME_CREATE,
-    PL_METRIC_WALL_TIME_CREATE,
-    PL_METRIC_TIME_READ,
-    PL_METRIC_WALL_TIME_READ,
-    PL_METRIC_INSTRUCTIONS_PER_STEP,
-    PL_METRIC_MEMORY_PEAK,
-    PL_METRIC_INTEGRATOR,
-    PL_METRIC_STATE_HASH,
+#define METRIC(id, ...) PL_METRIC_##id,
+#include "metrics.def"
     PL_METRIC_COUNT
 } pl_metric_id;
 
 /* Which of two values of a metric is the better one. */
 typedef enum pl_direction { PL_LOWER_IS_BETTER, PL_HIGHER_IS_BETTER, PL_NO_DIRECTION } pl_direction;
 
+/* Further properties of a metric, as bits. */
+typedef enum pl_trait {
+    PL_TRAIT_MEASURED = 1 << 0,   /* differs from run to run, even if the engine is deterministic */
+    PL_TRAIT_COMPARED = 1 << 1,   /* means the same to every engine: reports compare the home engine
+                                   with the best other one */
+    PL_TRAIT_OVER_STEPS = 1 << 2, /* has percentiles and a worst step; needs a step */
+    PL_TRAIT_VALUE_OF_END = 1 << 3,  /* a value is void after an early end of the run */
+    PL_TRAIT_REASON_OF_END = 1 << 4, /* the reason why there is none is void then */
+    PL_TRAIT_OF_END = PL_TRAIT_VALUE_OF_END | PL_TRAIT_REASON_OF_END,
+    PL_TRAIT_IMPULSES = 1 << 5,        /* void without the impulses of all contacts */
+    PL_TRAIT_STATIC_IMPULSES = 1 << 6, /* void without those of contacts with static bodies */
+    PL_TRAIT_OWN_UNIT = 1 << 7,        /* each run names the unit */
+    PL_TRAIT_TEXT = 1 << 8,            /* the value is a text */
+    PL_TRAIT_TO_ONE_STEP = 1 << 9,     /* a time that is known to one step of the scene */
+    PL_TRAIT_GATED = 1 << 10, /* the gate compares the ratio without a rule that names it */
+} pl_trait;
+
 /* What is fixed about a metric. The strings are static. */
 typedef struct pl_metric_info {
     const char *name, *unit;
     pl_direction direction;
-    bool deterministic; /* equal in every run on every machine, if the engine is deterministic */
+    unsigned traits; /* of pl_trait */
     const char *definition;
+    double noise;      /* between engines a difference up to this says nothing, in the unit */
+    const char *ratio; /* of a cost: the name of its ratio to that of a reference engine, which the
+                            gate compares in its place; NULL: no cost */
+    const char *more[2]; /* of what ensembles are compared by: the words before and after an amount,
+                            for the engine with more of it; NULL: they are not */
 } pl_metric_info;
 
 /* Indexed by pl_metric_id. */
 extern const pl_metric_info pl_metric_table[PL_METRIC_COUNT];
+
+/* Whether the metric has one of the traits; false for -1. */
+bool pl_metric_is(int id, unsigned traits);
 
 /* The pl_metric_id of a metric; -1 when no metric has this name. */
 int pl_metric_by_name(const char *name);

@@ -25,13 +25,10 @@
  * spread_x, spread_y, mass_height, run_out_p95: of the final centres of mass of the dynamic bodies.
  * Ensembles of chaotic scenes are compared by them. The percentile is interpolated between two
  * order statistics (Hyndman and Fan 1996, definition 7). */
-#include "motion.h"
-
 #include "base/statistics.h"
+#include "modules.h"
 #include "referee/geometry/solid.h"
 #include "series.h"
-
-#include <math.h>
 
 /* Tolerance of scene checks of unit vectors. */
 static const double PARALLEL = 1e-9;
@@ -66,7 +63,7 @@ typedef struct drift {
     double largest;                /* m */
 } drift;
 
-struct pl_motion {
+typedef struct motion {
     const pl_scene *scene;
     followed *followed; /* (followed_count): travels first */
     int followed_count;
@@ -82,7 +79,7 @@ struct pl_motion {
     int dynamic_count;
     pl_vec *start, *last; /* (dynamic_count): centres of mass */
     double *run_out;      /* (dynamic_count), m */
-};
+} motion;
 
 /* ---- Bodies with a reference ---- */
 
@@ -105,7 +102,7 @@ static pl_vec supporting_normal(const pl_scene *scene, pl_vec along)
     return best;
 }
 
-static void follow(pl_motion *m, bool *seen, const followed *body)
+static void follow(motion *m, bool *seen, const followed *body)
 {
     m->supported = m->supported || pl_vec_length(body->normal) > 0;
     m->followed[m->followed_count++] = *body;
@@ -124,7 +121,7 @@ static bool follows_settled(const pl_scene *scene)
 }
 
 /* Follows all dynamic bodies. */
-static void follow_settled(pl_motion *m)
+static void follow_settled(motion *m)
 {
     for (int i = 0; i < m->scene->body_count; ++i) {
         if (!m->scene->bodies[i].is_static) {
@@ -133,7 +130,7 @@ static void follow_settled(pl_motion *m)
     }
 }
 
-static void follow_all(pl_motion *m, bool *seen)
+static void follow_all(motion *m, bool *seen)
 {
     const pl_scene *scene = m->scene;
     const pl_vec still = {0, 0, 0}, normal = supporting_normal(scene, still);
@@ -158,9 +155,9 @@ static void follow_all(pl_motion *m, bool *seen)
     }
 }
 
-pl_motion *pl_motion_create(const pl_scene *scene, pl_arena *arena)
+static void *create(const pl_scene *scene, pl_arena *arena)
 {
-    pl_motion *m = pl_arena_take(arena, 1, sizeof *m);
+    motion *m = pl_arena_take(arena, 1, sizeof *m);
     if (m == NULL) {
         return NULL;
     }
@@ -196,7 +193,7 @@ static pl_vec displacement(const followed *f, const pl_body_state *bodies)
     return pl_vec_sub(pl_vec_of(bodies[f->body].position), f->origin);
 }
 
-static double lift_of(const pl_motion *m, const pl_body_state *bodies)
+static double lift_of(const motion *m, const pl_body_state *bodies)
 {
     double highest = 0;
     for (int i = 0; i < m->followed_count; ++i) {
@@ -206,7 +203,7 @@ static double lift_of(const pl_motion *m, const pl_body_state *bodies)
     return highest;
 }
 
-static double deviation_of(const pl_motion *m, const pl_body_state *bodies)
+static double deviation_of(const motion *m, const pl_body_state *bodies)
 {
     double farthest = 0;
     for (int i = 0; i < m->scene->travel_count; ++i) {
@@ -263,7 +260,7 @@ static bool all_quiet(const pl_scene *scene, const pl_body_state *bodies)
 }
 
 /* Updates the quiet period. True when it begins with this step. */
-static bool see_quiet(pl_motion *m, long step, const pl_body_state *bodies)
+static bool see_quiet(motion *m, long step, const pl_body_state *bodies)
 {
     if (m->settled) {
         return false;
@@ -280,7 +277,7 @@ static bool see_quiet(pl_motion *m, long step, const pl_body_state *bodies)
     return begins;
 }
 
-static pl_metric settle_metric(const pl_motion *m, long steps)
+static pl_metric settle_metric(const motion *m, long steps)
 {
     if (m->scene->travel_count > 0 || m->scene->value_count > 0) {
         return (pl_metric){0};
@@ -290,7 +287,7 @@ static pl_metric settle_metric(const pl_motion *m, long steps)
                                          (double)steps * m->scene->dt);
 }
 
-static void drift_metrics(const pl_motion *m, pl_metric *item)
+static void drift_metrics(const motion *m, pl_metric *item)
 {
     const drift *d = m->settled ? &m->since_quiet : &m->since_fixed;
     if (m->since_quiet.count == 0) {
@@ -328,7 +325,7 @@ static void read_centres(const pl_scene *scene, const pl_body_state *bodies, pl_
 
 /* Standard deviation of the last centres along `axis`, m. The mean comes first, so that nothing
  * cancels. */
-static double deviation_along(const pl_motion *m, pl_vec axis)
+static double deviation_along(const motion *m, pl_vec axis)
 {
     double mean = 0, square = 0;
     for (int i = 0; i < m->dynamic_count; ++i) {
@@ -341,7 +338,7 @@ static double deviation_along(const pl_motion *m, pl_vec axis)
     return sqrt(square);
 }
 
-static double mass_height(const pl_motion *m, pl_vec up)
+static double mass_height(const motion *m, pl_vec up)
 {
     double mass = 0, moment = 0;
     int next = 0;
@@ -355,7 +352,7 @@ static double mass_height(const pl_motion *m, pl_vec up)
     return moment / mass;
 }
 
-static double run_out(pl_motion *m, pl_vec up)
+static double run_out(motion *m, pl_vec up)
 {
     for (int i = 0; i < m->dynamic_count; ++i) {
         m->run_out[i] = pl_vec_length(pl_vec_reject(pl_vec_sub(m->last[i], m->start[i]), up));
@@ -364,7 +361,7 @@ static double run_out(pl_motion *m, pl_vec up)
     return pl_quantile(m->run_out, m->dynamic_count, 0.95);
 }
 
-static void spread_metrics(pl_motion *m, const pl_body_state *last, pl_metric *item)
+static void spread_metrics(motion *m, const pl_body_state *last, pl_metric *item)
 {
     pl_vec g = pl_vec_of(m->scene->gravity);
     double strength = pl_vec_length(g);
@@ -382,8 +379,11 @@ static void spread_metrics(pl_motion *m, const pl_body_state *last, pl_metric *i
 
 /* ---- All ---- */
 
-void pl_motion_see(pl_motion *m, long step, const pl_body_state *bodies)
+static void see(void *state, const pl_run_view *view)
 {
+    motion *m = state;
+    const long step = view->step.number;
+    const pl_body_state *bodies = view->step.after;
     double time = (double)step * m->scene->dt;
     if (step == 0) {
         read_centres(m->scene, bodies, m->start);
@@ -403,9 +403,10 @@ void pl_motion_see(pl_motion *m, long step, const pl_body_state *bodies)
     }
 }
 
-void pl_motion_metrics(pl_motion *m, long steps, const pl_body_state *last, pl_metric *item)
+static void collect(void *state, const pl_run_view *view, pl_metric *item)
 {
-    item[PL_METRIC_SETTLE_TIME] = settle_metric(m, steps);
+    motion *m = state;
+    item[PL_METRIC_SETTLE_TIME] = settle_metric(m, view->step.number);
     if (m->supported) {
         item[PL_METRIC_LIFT] = pl_series_metric(&m->lift, m->lift.max);
     }
@@ -414,6 +415,8 @@ void pl_motion_metrics(pl_motion *m, long steps, const pl_body_state *last, pl_m
     }
     drift_metrics(m, item);
     if (m->dynamic_count > 0) {
-        spread_metrics(m, last, item);
+        spread_metrics(m, view->last, item);
     }
 }
+
+const pl_module pl_motion_module = {create, see, collect, .needs_no_motion = false};

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-struct pl_repeats {
+struct pl_repeated_steps {
     const pl_scene *scene;
     pl_arena *arena;
     bool stood;             /* no state changed in the last step */
@@ -12,17 +12,17 @@ struct pl_repeats {
     bool has_times;
 };
 
-pl_repeats *pl_repeats_create(const pl_scene *scene, pl_arena *arena)
+pl_repeated_steps *pl_repeated_steps_create(const pl_scene *scene, pl_arena *arena)
 {
-    pl_repeats *r = pl_arena_take(arena, 1, sizeof *r);
+    pl_repeated_steps *r = pl_arena_take(arena, 1, sizeof *r);
     if (r != NULL) {
-        *r = (pl_repeats){.scene = scene, .arena = arena};
+        *r = (pl_repeated_steps){.scene = scene, .arena = arena};
     }
     return r;
 }
 
 /* The memory of smaller arrays is the arena's until its end. */
-static bool reserve(pl_repeats *r, int count)
+static bool reserve(pl_repeated_steps *r, int count)
 {
     if (count <= r->capacity) {
         return true;
@@ -54,7 +54,7 @@ static bool same_times(const pl_contact_time *a, const pl_contact_time *b, int c
     return same;
 }
 
-static bool same_contacts(const pl_repeats *r, const pl_step *step)
+static bool same_contacts(const pl_repeated_steps *r, const pl_step *step)
 {
     const int count = step->contact_count;
     return count == r->count && (step->times != NULL) == r->has_times &&
@@ -64,7 +64,7 @@ static bool same_contacts(const pl_repeats *r, const pl_step *step)
 }
 
 /* Without the memory for a copy, no later step repeats this one. */
-static void keep(pl_repeats *r, const pl_step *step)
+static void keep(pl_repeated_steps *r, const pl_step *step)
 {
     const int count = step->contact_count;
     r->count = count;
@@ -79,7 +79,7 @@ static void keep(pl_repeats *r, const pl_step *step)
     }
 }
 
-bool pl_repeats_step(pl_repeats *r, const pl_step *step)
+bool pl_repeated_steps_see(pl_repeated_steps *r, const pl_step *step)
 {
     const size_t size = (size_t)r->scene->body_count * sizeof *step->after;
     const bool stood = r->stood;

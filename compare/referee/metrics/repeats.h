@@ -6,13 +6,13 @@
 #include "mechanics.h"
 
 /* A copy of the last step. */
-typedef struct pl_repeats pl_repeats;
+typedef struct pl_repeated_steps pl_repeated_steps;
 
 /* `scene` and `arena` must outlive it. Memory of the arena; NULL when out of memory. */
-pl_repeats *pl_repeats_create(const pl_scene *scene, pl_arena *arena);
+pl_repeated_steps *pl_repeated_steps_create(const pl_scene *scene, pl_arena *arena);
 
 /* Takes a step, whose contacts may be unreported. Returns whether its states, contacts and times are
  * those of the step taken before it. */
-bool pl_repeats_step(pl_repeats *repeats, const pl_step *step);
+bool pl_repeated_steps_see(pl_repeated_steps *repeats, const pl_step *step);
 
 #endif

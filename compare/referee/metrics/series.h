@@ -10,6 +10,7 @@
 #include "base/arena.h"
 #include "metrics.h"
 
+#include <math.h>
 #include <stdint.h>
 
 /* A bin of the histogram: how many numbers fell into it, and their sum. */
@@ -34,6 +35,13 @@ bool pl_series_init(pl_series *series, pl_arena *arena);
 /* Adds `value` >= 0, which may be infinite, seen at `step`. A NaN means "not reported" and is not
  * added. */
 void pl_series_add(pl_series *series, double value, long step);
+
+/* `value`, or infinity for a NaN that the referee itself computed: a series would take it for "not
+ * reported". */
+static inline double pl_or_infinity(double value)
+{
+    return isnan(value) ? HUGE_VAL : value;
+}
 
 /* The smallest number that at least the fraction `q` of all numbers do not exceed; 0 of an empty
  * series. */

@@ -2,7 +2,7 @@
  *
  * Islands are two partitions by disjoint sets: of this frame, and of this frame and the last
  * together. Source: Galler and Fischer 1964; path halving, Tarjan and van Leeuwen 1984. */
-#include "touching.h"
+#include "modules.h"
 
 #include "series.h"
 
@@ -166,8 +166,14 @@ double pl_touching_island_max(pl_touching *t, const double *growth)
     return largest > -HUGE_VAL ? largest : 0;
 }
 
-void pl_touching_metrics(const pl_touching *t, pl_metric *item)
+/* Both metrics are PL_METRIC_FAILED if the gap of any pair could not be computed. */
+static void collect(void *state, const pl_run_view *view, pl_metric *item)
 {
+    (void)state;
+    const pl_touching *t = view->touching;
+    if (view->scene->body_count < 2) {
+        return;
+    }
     double mean = t->rest_count > 0 ? t->rest_sum / (double)t->rest_count : 0;
     item[PL_METRIC_PENETRATION_MAX] = pl_series_metric(&t->depth, t->depth.max);
     item[PL_METRIC_PENETRATION_REST] = pl_metric_value(mean);
@@ -178,3 +184,5 @@ void pl_touching_metrics(const pl_touching *t, pl_metric *item)
                              t->scene->bodies[t->unknown_b].name, t->unknown_step);
     }
 }
+
+const pl_module pl_touching_module = {NULL, NULL, collect, .needs_no_motion = false};

@@ -46,8 +46,4 @@ double pl_touching_deepest(const pl_touching *touching);
  * frame after. */
 bool pl_touching_flew(const pl_touching *touching, int body);
 
-/* Sets penetration_max and penetration_rest in item (PL_METRIC_COUNT). Both are PL_METRIC_FAILED if
- * the gap of any pair could not be computed. */
-void pl_touching_metrics(const pl_touching *touching, pl_metric *item);
-
 #endif

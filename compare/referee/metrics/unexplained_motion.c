@@ -1,4 +1,8 @@
-/* In a step of h the centre of a body in an island moves by at most
+/* Motion that nothing explains: how much farther a body moved in a step than the speeds of its
+ * island, gravity, the scene's forces and the overlaps of its island allow; and by how much the
+ * velocity of a body in free flight changed otherwise than by gravity.
+ *
+ * In a step of h the centre of a body in an island moves by at most
  *
  *   h V + h^2 (|g| + F/m) + D
  *
@@ -10,15 +14,14 @@
  *
  * A body that meets no other in a step has v' = v + h g, with any integrator and any number of
  * sub-steps. Engines that damp all motion, or that let nothing move, show here. */
-#include "unexplained_motion.h"
-
+#include "modules.h"
 #include "plumb/vec.h"
 #include "referee/geometry/solid.h"
+#include "series.h"
 
-#include <math.h>
 #include <string.h>
 
-struct pl_unexplained_motion {
+typedef struct unexplained {
     const pl_scene *scene;
     double *radius;       /* (body_count): bounding radii, m */
     double *acceleration; /* (body_count): |g| + F/m, m/s^2 */
@@ -26,22 +29,24 @@ struct pl_unexplained_motion {
     double *depth;        /* (body_count): of an island, by its root, m */
     double *energy;       /* (body_count): kinetic, of an island, by its root, at most, J */
     bool rebounds;        /* a pair of materials has restitution */
-};
+    pl_series motion, free_flight;
+} unexplained;
 
-pl_unexplained_motion *pl_unexplained_motion_create(const pl_scene *scene, pl_arena *arena)
+static void *create(const pl_scene *scene, pl_arena *arena)
 {
     const size_t count = (size_t)scene->body_count;
-    pl_unexplained_motion *m = pl_arena_take(arena, 1, sizeof *m);
+    unexplained *m = pl_arena_take(arena, 1, sizeof *m);
     if (m == NULL) {
         return NULL;
     }
-    *m = (pl_unexplained_motion){.scene = scene,
-                                 .radius = pl_arena_take(arena, count, sizeof *m->radius),
-                                 .acceleration =
-                                     pl_arena_take(arena, count, sizeof *m->acceleration),
-                                 .speed = pl_arena_take(arena, count, sizeof *m->speed),
-                                 .depth = pl_arena_take(arena, count, sizeof *m->depth),
-                                 .energy = pl_arena_take(arena, count, sizeof *m->energy)};
+    *m = (unexplained){.scene = scene,
+                       .radius = pl_arena_take(arena, count, sizeof *m->radius),
+                       .acceleration = pl_arena_take(arena, count, sizeof *m->acceleration),
+                       .speed = pl_arena_take(arena, count, sizeof *m->speed),
+                       .depth = pl_arena_take(arena, count, sizeof *m->depth),
+                       .energy = pl_arena_take(arena, count, sizeof *m->energy)};
+    (void)pl_series_init(&m->motion, arena);
+    (void)pl_series_init(&m->free_flight, arena);
     if (arena->failed) {
         return NULL;
     }
@@ -66,21 +71,22 @@ pl_unexplained_motion *pl_unexplained_motion_create(const pl_scene *scene, pl_ar
 }
 
 /* The largest speed of a point of the body, m/s. */
-static double speed_of(const pl_unexplained_motion *m, int body, const pl_body_state *state)
+static double speed_of(const unexplained *m, int body, const pl_body_state *state)
 {
     return pl_vec_length(pl_vec_of(state->velocity)) +
            m->radius[body] * pl_vec_length(pl_vec_of(state->angular_velocity));
 }
 
 /* The largest speed that a body of the island, whose root is `root`, can have had in the step. */
-static double explained_speed(const pl_unexplained_motion *m, int body, int root)
+static double explained_speed(const unexplained *m, int body, int root)
 {
     const double alone = sqrt(2 * m->energy[root] / m->scene->bodies[body].mass);
     return m->rebounds ? fmax(m->speed[root], alone) : m->speed[root];
 }
 
-double pl_unexplained_motion_of(pl_unexplained_motion *m, pl_touching *touching,
-                                const pl_body_state *before, const pl_body_state *after)
+/* The largest unexplained motion of a dynamic body over its bounding radius; at least 0. */
+static double unexplained_motion(unexplained *m, pl_touching *touching, const pl_body_state *before,
+                                 const pl_body_state *after)
 {
     const pl_scene *scene = m->scene;
     const double h = scene->dt;
@@ -111,8 +117,10 @@ double pl_unexplained_motion_of(pl_unexplained_motion *m, pl_touching *touching,
     return most;
 }
 
-double pl_free_flight_error_of(const pl_unexplained_motion *m, const pl_touching *touching,
-                               const pl_body_state *before, const pl_body_state *after)
+/* The largest |v' - v - h g| / (h |g|) of a dynamic body that flew through the step and on which the
+ * scene has no force. NAN where there is none, or no gravity. */
+static double free_flight_error(const unexplained *m, const pl_touching *touching,
+                                const pl_body_state *before, const pl_body_state *after)
 {
     const pl_scene *scene = m->scene;
     const pl_vec gravity = pl_vec_of(scene->gravity);
@@ -128,3 +136,28 @@ double pl_free_flight_error_of(const pl_unexplained_motion *m, const pl_touching
     }
     return most;
 }
+
+static void see(void *state, const pl_run_view *view)
+{
+    unexplained *m = state;
+    const pl_step *step = &view->step;
+    if (step->number > 0) {
+        pl_series_add(&m->motion, unexplained_motion(m, view->touching, step->before, step->after),
+                      step->number);
+        pl_series_add(&m->free_flight,
+                      free_flight_error(m, view->touching, step->before, step->after),
+                      step->number);
+    }
+}
+
+static void collect(void *state, const pl_run_view *view, pl_metric *item)
+{
+    (void)view;
+    const unexplained *m = state;
+    item[PL_METRIC_UNEXPLAINED_MOTION] = pl_series_metric(&m->motion, m->motion.max);
+    if (m->free_flight.count > 0) {
+        item[PL_METRIC_FREE_FLIGHT_ERROR] = pl_series_metric(&m->free_flight, m->free_flight.max);
+    }
+}
+
+const pl_module pl_unexplained_motion_module = {create, see, collect, .needs_no_motion = false};

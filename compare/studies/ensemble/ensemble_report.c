@@ -73,17 +73,22 @@ static void add_observables(report *r, int test_case)
 {
     pl_table table = {0};
     pl_table_column(&table, PL_LEFT, "Engine");
-    for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
-        const pl_metric_info *info = &pl_metric_table[pl_observables[i]];
-        pl_table_column(&table, PL_LEFT, "%s (%s)", info->name, info->unit);
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        const pl_metric_info *info = &pl_metric_table[i];
+        if (pl_is_observable(i)) {
+            pl_table_column(&table, PL_LEFT, "%s (%s)", info->name, info->unit);
+        }
     }
     for (int k = 0; k < r->all->count; ++k) {
         if (r->all->items[k].test_case != test_case) {
             continue;
         }
         pl_table_add(&table, r->all->items[k].name);
-        for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
+        for (int i = 0; i < PL_METRIC_COUNT; ++i) {
             const pl_sample *sample = &r->views[k].observed.samples[i];
+            if (!pl_is_observable(i)) {
+                continue;
+            }
             char mean[32] = "-", deviation[32] = "-", never[48] = "";
             if (!isnan(sample->mean)) {
                 snprintf(mean, sizeof mean, "%.3g", sample->mean);
@@ -112,13 +117,13 @@ static void add_comparisons(report *r, int test_case)
     pl_table table = {.keys = 3};
     pl_table_columns(&table, "Observable|Engine A|Engine B|Mean A|Mean B|Energy distance / floor|"
                              "KS|KS / floor|Corrected p|Verdict");
-    for (int k = 0; k < PL_OBSERVABLE_COUNT; ++k) {
+    for (int k = 0; k < PL_METRIC_COUNT; ++k) {
         for (int i = 0; i < r->verdicts.count; ++i) {
             const pl_sample_test *c = &r->verdicts.items[i];
             if (c->observable != k || r->all->items[c->a].test_case != test_case) {
                 continue;
             }
-            pl_table_add(&table, pl_metric_table[pl_observables[k]].name);
+            pl_table_add(&table, pl_metric_table[k].name);
             pl_table_add(&table, r->all->items[c->a].name);
             pl_table_add(&table, r->all->items[c->b].name);
             pl_table_format_cell(&table, "%.4g", r->views[c->a].observed.samples[k].mean);
@@ -300,9 +305,12 @@ static json_t *view_json(const report *r, const pl_ensemble_view *view)
     const pl_case *test_case = &r->plan->cases[ensemble->cases[0]];
     const pl_invariants *kept = &view->observed.invariants;
     json_t *observables = json_object();
-    for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
-        const pl_metric_info *info = &pl_metric_table[pl_observables[i]];
-        json_object_set_new(observables, info->name, sample_json(&view->observed.samples[i], info));
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        const pl_metric_info *info = &pl_metric_table[i];
+        if (pl_is_observable(i)) {
+            json_object_set_new(observables, info->name,
+                                sample_json(&view->observed.samples[i], info));
+        }
     }
     json_t *invariants =
         json_pack("{s:i, s:o, s:i, s:i}", "energy_grew", kept->energy_grew, "energy_growth",
@@ -326,10 +334,10 @@ static json_t *comparison_json(const pl_ensemble_view *views, const pl_sample_te
     }
     return json_pack(
         "{s:i, s:i, s:s, s:f, s:o, s:o, s:f, s:o, s:o, s:f, s:f, s:s, s:o}", "a", c->a, "b", c->b,
-        "observable", pl_metric_table[pl_observables[c->observable]].name, "energy_distance",
-        c->energy, "energy_distance_floor", pl_json_number_or_null(c->energy_floor),
-        "energy_distance_ratio", pl_json_number_or_null(floor_ratio(c->energy, c->energy_floor)),
-        "ks", c->ks, "ks_floor", pl_json_number_or_null(c->ks_floor), "ks_ratio",
+        "observable", pl_metric_table[c->observable].name, "energy_distance", c->energy,
+        "energy_distance_floor", pl_json_number_or_null(c->energy_floor), "energy_distance_ratio",
+        pl_json_number_or_null(floor_ratio(c->energy, c->energy_floor)), "ks", c->ks, "ks_floor",
+        pl_json_number_or_null(c->ks_floor), "ks_ratio",
         pl_json_number_or_null(floor_ratio(c->ks, c->ks_floor)), "p", c->p, "p_corrected",
         c->corrected, "verdict", c->apart ? "told apart" : "not told apart", "finding",
         c->apart ? json_string(sentence) : json_null());

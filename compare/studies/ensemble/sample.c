@@ -6,11 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-const pl_metric_id pl_observables[PL_OBSERVABLE_COUNT] = {
-    PL_METRIC_SPREAD_X,    PL_METRIC_SPREAD_Y,    PL_METRIC_MASS_HEIGHT,    PL_METRIC_RUN_OUT_P95,
-    PL_METRIC_SETTLE_TIME, PL_METRIC_ENERGY_LOST, PL_METRIC_PENETRATION_MAX};
-
 const double pl_energy_growth = 1e-3;
+
+bool pl_is_observable(int metric)
+{
+    return pl_metric_table[metric].more[0] != NULL;
+}
+
+int pl_observable_count(void)
+{
+    int count = 0;
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        count += pl_is_observable(i);
+    }
+    return count;
+}
 
 json_t *pl_results_by_run(const json_t *results)
 {
@@ -68,11 +78,10 @@ static bool has_metric(const json_t *result, pl_metric_id id)
 /* Adds the values of a run that finished. */
 static void add_values(pl_observations *observed, const json_t *result, double duration)
 {
-    for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         pl_sample *sample = &observed->samples[i];
-        double value = value_of(result, pl_observables[i]);
-        if (isnan(value) && pl_observables[i] == PL_METRIC_SETTLE_TIME &&
-            has_metric(result, PL_METRIC_SETTLE_TIME)) {
+        double value = pl_is_observable(i) ? value_of(result, (pl_metric_id)i) : (double)NAN;
+        if (i == PL_METRIC_SETTLE_TIME && isnan(value) && has_metric(result, i)) {
             value = duration;
             sample->unsettled += 1;
         }
@@ -118,7 +127,7 @@ pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensembl
                                  pl_error *error)
 {
     *observed = (pl_observations){.invariants = {.energy_growth = NAN}};
-    for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         observed->samples[i].values = calloc((size_t)members, sizeof(double));
         if (observed->samples[i].values == NULL) {
             return pl_fail(error, PL_NO_MEMORY, "out of memory for %d members", members);
@@ -140,7 +149,7 @@ pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensembl
             add_values(observed, result, scene->duration);
         }
     }
-    for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         summarise(&observed->samples[i]);
     }
     return PL_OK;
@@ -148,7 +157,7 @@ pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensembl
 
 void pl_observations_free(pl_observations *observed)
 {
-    for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         free(observed->samples[i].values);
     }
     *observed = (pl_observations){.results = 0};

@@ -7,11 +7,13 @@
 
 #include <jansson.h>
 
-/* The metrics that ensembles are compared by. */
-enum { PL_OBSERVABLE_COUNT = 7 };
-extern const pl_metric_id pl_observables[PL_OBSERVABLE_COUNT];
+/* Whether ensembles are compared by the metric. */
+bool pl_is_observable(int metric);
 
-/* The values of one observable, of the members that ran to their end. */
+/* How many such metrics there are. */
+int pl_observable_count(void);
+
+/* The values of one metric by which ensembles are compared, of the members that ran to their end. */
 typedef struct pl_sample {
     double *values; /* (count), by member */
     int count;
@@ -35,7 +37,7 @@ typedef struct pl_observations {
     int results;                    /* members with a result */
     int outcomes[PL_OUTCOME_COUNT]; /* of these members */
     pl_invariants invariants;
-    pl_sample samples[PL_OBSERVABLE_COUNT];
+    pl_sample samples[PL_METRIC_COUNT]; /* empty where the metric is no observable */
 } pl_observations;
 
 /* Gathers the observations of an ensemble from the results. The caller always frees *observed. */

@@ -28,7 +28,7 @@ int pl_verdicts_planned(const pl_ensembles *ensembles)
             pairs += comparable(&ensembles->items[a], &ensembles->items[b]);
         }
     }
-    return pairs * PL_OBSERVABLE_COUNT;
+    return pairs * pl_observable_count();
 }
 
 pl_status pl_verdicts_possible(const pl_ensembles *ensembles, pl_error *error)
@@ -124,7 +124,7 @@ static pl_status add_pair(const pl_ensemble_view *views, int a, int b, pl_verdic
                           pl_error *error)
 {
     pl_status status = PL_OK;
-    for (int i = 0; i < PL_OBSERVABLE_COUNT && status == PL_OK; ++i) {
+    for (int i = 0; i < PL_METRIC_COUNT && status == PL_OK; ++i) {
         const pl_sample *of_a = &views[a].observed.samples[i];
         const pl_sample *of_b = &views[b].observed.samples[i];
         if (of_a->count > 1 && of_b->count > 1 && !all_equal(of_a, of_b)) {
@@ -140,7 +140,7 @@ static pl_status add_pair(const pl_ensemble_view *views, int a, int b, pl_verdic
 pl_status pl_verdicts_reach(const pl_ensemble_view *views, int count, pl_verdicts *verdicts,
                             pl_error *error)
 {
-    size_t most = (size_t)count * (size_t)count / 2 * PL_OBSERVABLE_COUNT + 1;
+    size_t most = (size_t)count * (size_t)count / 2 * PL_METRIC_COUNT + 1;
     pl_status status = PL_OK;
     *verdicts = (pl_verdicts){.items = calloc(most, sizeof *verdicts->items)};
     if (verdicts->items == NULL) {
@@ -162,22 +162,10 @@ void pl_verdicts_free(pl_verdicts *verdicts)
     *verdicts = (pl_verdicts){.count = 0};
 }
 
-/* The words for the ensemble of the larger mean: before the amount, and after it. */
-static const struct wording {
-    const char *before, *after;
-} wordings[PL_OBSERVABLE_COUNT] = {{"spreads", "farther in x"},
-                                   {"spreads", "farther in y"},
-                                   {"leaves the centre of mass", "higher"},
-                                   {"throws its bodies", "farther"},
-                                   {"comes to rest", "later"},
-                                   {"dissipates", "more energy"},
-                                   {"lets bodies overlap", "deeper"}};
-
 void pl_sample_test_sentence(const pl_ensemble_view *views, const pl_sample_test *comparison,
                              char *text, size_t size)
 {
-    const pl_metric_info *info = &pl_metric_table[pl_observables[comparison->observable]];
-    const struct wording *wording = &wordings[comparison->observable];
+    const pl_metric_info *info = &pl_metric_table[comparison->observable];
     const pl_ensemble_view *more = &views[comparison->a], *less = &views[comparison->b];
     if (more->observed.samples[comparison->observable].mean <
         less->observed.samples[comparison->observable].mean) {
@@ -202,6 +190,6 @@ void pl_sample_test_sentence(const pl_ensemble_view *views, const pl_sample_test
         snprintf(amount, sizeof amount, "%.3g %s", excess, info->unit);
     }
     snprintf(text, size, "%s %s %s %s than %s (%s: means %.3g and %.3g %s, p = %.2g)",
-             more->ensemble->name, wording->before, amount, wording->after, less->ensemble->name,
+             more->ensemble->name, info->more[0], amount, info->more[1], less->ensemble->name,
              info->name, high->mean, low->mean, info->unit, comparison->corrected);
 }

@@ -24,7 +24,7 @@ typedef struct pl_ensemble_view {
 /* The comparison of two ensembles in one observable. */
 typedef struct pl_sample_test {
     int a, b;          /* indices of the views */
-    int observable;    /* of pl_observables */
+    int observable;    /* the pl_metric_id */
     double energy, ks; /* energy distance in the observable's unit; Kolmogorov-Smirnov, 1 */
     double energy_floor, ks_floor; /* the larger of the two ensembles' own noise; NAN: too few */
     double p, corrected;           /* permutation p of the energy distance; after Holm */

@@ -97,6 +97,9 @@ void pl_scene_pair(const pl_scene *scene, int material_a, int material_b, double
 /* Number of steps of a run: round(duration / dt). */
 long pl_scene_steps(const pl_scene *scene);
 
+/* The names of the metrics that a scene may have as its primary error. The strings are static. */
+const char *const *pl_primary_errors(int *count);
+
 /* Checks a scene made by code by the same rules as one read from a file (finite numbers, mass > 0,
  * unit normals and quaternions to 1e-9, indices in range, unique names, static planes).
  * PL_BAD_INPUT says which field of which object, and the number. */
