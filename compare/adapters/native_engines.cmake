@@ -2,11 +2,11 @@
 # table of built-in engines. The global property PLUMB_PRESENT_ENGINES has the names of those that were found,
 # PLUMB_PRESENT_MODULES of those that are shared objects.
 #
-# plumb_engine(VERSION V SOURCES FILE... [LIBRARIES ...] [DEFINITIONS ...] [OPTIONS ...]) builds an adapter: into
-# plumb_adapters, or as the shared object plumb_NAME, which is loaded when the engine is asked for. Its files know
+# plumb_engine(VERSION V [LIBRARIES ...] [DEFINITIONS ...] [OPTIONS ...]) builds an adapter of all C and C++ files of
+# the folder: into plumb_adapters, or as the shared object plumb_NAME, which is loaded when the engine is asked for. Its files know
 # the version as PLUMB_NAME_VERSION. OPTIONS are of its C++ files: what not to warn about in the engine's headers.
 function(plumb_engine)
-  cmake_parse_arguments(ENGINE "" "VERSION" "SOURCES;LIBRARIES;DEFINITIONS;OPTIONS" ${ARGN})
+  cmake_parse_arguments(ENGINE "" "VERSION" "LIBRARIES;DEFINITIONS;OPTIONS" ${ARGN})
   get_filename_component(name ${CMAKE_CURRENT_SOURCE_DIR} NAME)
   plumb_member(adapter ${name} adapter)
   set(target plumb_adapters)
@@ -21,12 +21,13 @@ function(plumb_engine)
     set_property(GLOBAL APPEND PROPERTY PLUMB_PRESENT_MODULES ${name})
   endif()
   string(TOUPPER ${name} upper)
-  target_sources(${target} PRIVATE ${ENGINE_SOURCES})
+  file(GLOB sources CONFIGURE_DEPENDS *.c *.cpp)
+  target_sources(${target} PRIVATE ${sources})
   target_link_libraries(${target} PRIVATE ${ENGINE_LIBRARIES})
   target_compile_definitions(${target} PRIVATE PLUMB_${upper}_VERSION="${ENGINE_VERSION}" ${ENGINE_DEFINITIONS})
-  list(FILTER ENGINE_SOURCES INCLUDE REGEX "\\.cpp$")
-  if(ENGINE_SOURCES)
-    set_source_files_properties(${ENGINE_SOURCES} TARGET_DIRECTORY ${target} PROPERTIES
+  list(FILTER sources INCLUDE REGEX "\\.cpp$")
+  if(sources)
+    set_source_files_properties(${sources} TARGET_DIRECTORY ${target} PROPERTIES
       COMPILE_OPTIONS "${ENGINE_OPTIONS}")
   endif()
   set_property(GLOBAL APPEND PROPERTY PLUMB_PRESENT_ENGINES ${name})

@@ -10,7 +10,9 @@
  * would put a sphere of 0.1 m in their place. */
 #include "dart_shapes.h"
 
+#include "dart_options.h"
 #include "plumb/adapter_helpers.h"
+#include "plumb/base.h"
 
 #include <assimp/mesh.h>
 #include <assimp/scene.h>
@@ -34,9 +36,25 @@ namespace dynamics = dart::dynamics;
 
 namespace {
 
-Eigen::Vector3d vector(const double v[3])
+/* DART's collision detectors, but for Bullet's. */
+enum class Detector { fcl, ode, own };
+
+Detector detector_of(const pl_engine_setup &setup)
 {
-    return Eigen::Vector3d(v[0], v[1], v[2]);
+    switch (setup.profile) {
+    case PROFILE_ODE_COLLISION:
+    case PROFILE_RECOMMENDED:
+        return Detector::ode;
+    case PROFILE_DART_COLLISION:
+        return Detector::own;
+    default:
+        return Detector::fcl;
+    }
+}
+
+bool has_fcl_primitives(const pl_engine_setup &setup)
+{
+    return setup.values[OPTION_FCL_PRIMITIVES] > 0;
 }
 
 dynamics::ShapePtr make_mesh(const pl_polyhedron &solid)
@@ -80,10 +98,10 @@ dynamics::ShapePtr make_mesh(const pl_polyhedron &solid)
     return std::make_shared<dynamics::MeshShape>(Eigen::Vector3d::Ones(), scene);
 }
 
-bool has_planes(const pl_dart_world_def &def)
+bool has_planes(const pl_engine_setup &setup)
 {
-    return def.detector == PL_DART_ODE ||
-           (def.detector == PL_DART_FCL && def.settings.fcl_primitives);
+    return detector_of(setup) == Detector::ode ||
+           (detector_of(setup) == Detector::fcl && has_fcl_primitives(setup));
 }
 
 /* Half the width of the box that stands for a plane, m. */
@@ -94,25 +112,35 @@ double plane_reach(const pl_engine_setup &setup)
 
 } // namespace
 
-const char *pl_dart_why_not(const pl_dart_world_def &def, pl_shape_kind kind)
+pl_status pl_dart_check_shapes(const pl_engine_setup &setup, pl_error *error)
 {
-    const bool simple = kind == PL_SHAPE_SPHERE || kind == PL_SHAPE_BOX || kind == PL_SHAPE_PLANE;
-    if (def.detector == PL_DART_OWN && !simple) {
-        return "DARTCollisionDetector has only spheres and boxes";
+    const Detector detector = detector_of(setup);
+    if (has_fcl_primitives(setup) && detector != Detector::fcl) {
+        return pl_fail(error, PL_UNSUPPORTED,
+                       "dart:%s has not FCL's shapes: it has no fcl_primitives",
+                       pl_dart_profiles[setup.profile].name);
     }
-    if (def.detector == PL_DART_FCL && kind == PL_SHAPE_CAPSULE) {
-        return "FCLCollisionDetector has no capsules";
+    for (int i = 0; i < setup.scene->body_count; ++i) {
+        const pl_shape_kind kind = setup.scene->bodies[i].shape.kind;
+        const bool simple =
+            kind == PL_SHAPE_SPHERE || kind == PL_SHAPE_BOX || kind == PL_SHAPE_PLANE;
+        if (detector == Detector::own && !simple) {
+            return pl_fail(error, PL_UNSUPPORTED,
+                           "DARTCollisionDetector has only spheres and boxes");
+        }
+        if (detector == Detector::fcl && kind == PL_SHAPE_CAPSULE) {
+            return pl_fail(error, PL_UNSUPPORTED, "FCLCollisionDetector has no capsules");
+        }
     }
-    return nullptr;
+    return PL_OK;
 }
 
-dynamics::ShapePtr pl_dart_make_shape(const pl_dart_world_def &def, const pl_engine_setup &setup,
-                                      const pl_shape &shape)
+dynamics::ShapePtr pl_dart_make_shape(const pl_engine_setup &setup, const pl_shape &shape)
 {
     const double *half = shape.half_extents;
     switch (shape.kind) {
     case PL_SHAPE_PLANE:
-        if (has_planes(def)) {
+        if (has_planes(setup)) {
             return std::make_shared<dynamics::PlaneShape>(vector(shape.normal), shape.offset);
         }
         return std::make_shared<dynamics::BoxShape>(
@@ -132,8 +160,7 @@ dynamics::ShapePtr pl_dart_make_shape(const pl_dart_world_def &def, const pl_eng
     return make_mesh(*shape.polyhedron);
 }
 
-Eigen::Isometry3d pl_dart_pose(const pl_dart_world_def &def, const pl_engine_setup &setup,
-                               const pl_body &body)
+Eigen::Isometry3d pl_dart_pose(const pl_engine_setup &setup, const pl_body &body)
 {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     if (body.shape.kind != PL_SHAPE_PLANE) {
@@ -143,7 +170,7 @@ Eigen::Isometry3d pl_dart_pose(const pl_dart_world_def &def, const pl_engine_set
         const double *q = at.orientation;
         pose.linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
         pose.translation() = vector(at.position);
-    } else if (!has_planes(def)) {
+    } else if (!has_planes(setup)) {
         const Eigen::Vector3d normal = vector(body.shape.normal);
         const Eigen::Vector3d middle = (vector(setup.lower) + vector(setup.upper)) / 2;
         const double height = normal.dot(middle) - body.shape.offset;
@@ -154,23 +181,23 @@ Eigen::Isometry3d pl_dart_pose(const pl_dart_world_def &def, const pl_engine_set
     return pose;
 }
 
-collision::CollisionDetectorPtr pl_dart_make_detector(const pl_dart_world_def &def)
+collision::CollisionDetectorPtr pl_dart_make_detector(const pl_engine_setup &setup)
 {
-    switch (def.detector) {
-    case PL_DART_FCL: {
+    switch (detector_of(setup)) {
+    case Detector::fcl: {
         auto fcl = collision::FCLCollisionDetector::create();
-        if (def.settings.fcl_primitives) {
+        if (has_fcl_primitives(setup)) {
             fcl->setPrimitiveShapeType(collision::FCLCollisionDetector::PRIMITIVE);
         }
         return fcl;
     }
-    case PL_DART_ODE:
+    case Detector::ode:
 #ifdef PLUMB_HAVE_DART_ODE
         return collision::OdeCollisionDetector::create();
 #else
         return nullptr;
 #endif
-    case PL_DART_OWN:
+    case Detector::own:
         return collision::DARTCollisionDetector::create();
     }
     return nullptr;

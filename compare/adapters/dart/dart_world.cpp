@@ -13,10 +13,13 @@
  *
  * Two things differ from a world as shipped: pairs of static bodies are filtered, which would only
  * use up contacts, and the solver counts its groups. */
-#include "dart_c.h"
+#include "dart_world.h"
 
+#include "dart_options.h"
 #include "dart_pairs.h"
 #include "dart_shapes.h"
+#include "plumb/adapter_helpers.h"
+#include "plumb/base.h"
 
 #include <dart/collision/CollisionFilter.hpp>
 #include <dart/collision/CollisionObject.hpp>
@@ -48,15 +51,15 @@ namespace dynamics = dart::dynamics;
 
 namespace {
 
+constexpr double gibibyte = 1024.0 * 1024.0 * 1024.0;
+
+/* Bytes that the dense matrices of a group may take. */
+constexpr double dense_limit = 4 * gibibyte;
+
 double now()
 {
     using clock = std::chrono::steady_clock;
     return std::chrono::duration<double>(clock::now().time_since_epoch()).count();
-}
-
-Eigen::Vector3d vector(const double v[3])
-{
-    return Eigen::Vector3d(v[0], v[1], v[2]);
 }
 
 void store(const Eigen::Vector3d &v, double out[3])
@@ -69,11 +72,7 @@ void store(const Eigen::Vector3d &v, double out[3])
 /* DART's solver, which counts its groups and declines one whose matrices would pass the limit. */
 class CountingSolver final : public constraint::BoxedLcpConstraintSolver {
   public:
-    CountingSolver(constraint::BoxedLcpSolverPtr first, constraint::BoxedLcpSolverPtr second,
-                   double limit)
-        : BoxedLcpConstraintSolver(std::move(first), std::move(second)), limit_(limit)
-    {
-    }
+    using BoxedLcpConstraintSolver::BoxedLcpConstraintSolver;
 
     int groups = 0;
     double solve_time = 0; /* s */
@@ -91,7 +90,7 @@ class CountingSolver final : public constraint::BoxedLcpConstraintSolver {
         constexpr double matrices = 3;
         const double rows = static_cast<double>(group.getTotalDimension());
         const double bytes = matrices * rows * rows * static_cast<double>(sizeof(double));
-        if (bytes > limit_) {
+        if (bytes > dense_limit) {
             refused_rows = rows;
             refused_bytes = bytes;
             return;
@@ -101,9 +100,6 @@ class CountingSolver final : public constraint::BoxedLcpConstraintSolver {
         solve_time += now() - start;
         ++groups;
     }
-
-  private:
-    double limit_;
 };
 
 /* The body that a shape belongs to, and the material that it is meant to meet. */
@@ -154,15 +150,16 @@ struct Pairs : pl_dart_pairs {
 
 } // namespace
 
-struct pl_dart_world {
+struct pl_engine_instance {
     const pl_engine_setup *setup;
-    pl_dart_world_def def;
     Pairs pairs;
     ShapeRoles roles;
     std::map<const pl_polyhedron *, dynamics::ShapePtr> solids; /* that bodies share */
     dart::simulation::WorldPtr world;
     CountingSolver *solver = nullptr;         /* the world's */
     std::vector<dynamics::BodyNode *> bodies; /* the world's skeletons' */
+    double time = 0;
+    long steps = 0;
 };
 
 namespace {
@@ -170,41 +167,40 @@ namespace {
 /* ---- Bodies ---- */
 
 /* The shape of a body; one for all that share a hull or a mesh. */
-dynamics::ShapePtr shape_of(pl_dart_world &world, const pl_shape &shape)
+dynamics::ShapePtr shape_of(pl_engine_instance &it, const pl_shape &shape)
 {
     if (shape.polyhedron == nullptr) {
-        return pl_dart_make_shape(world.def, *world.setup, shape);
+        return pl_dart_make_shape(*it.setup, shape);
     }
-    dynamics::ShapePtr &known = world.solids[shape.polyhedron];
+    dynamics::ShapePtr &known = it.solids[shape.polyhedron];
     if (known == nullptr) {
-        known = pl_dart_make_shape(world.def, *world.setup, shape);
+        known = pl_dart_make_shape(*it.setup, shape);
     }
     return known;
 }
 
 /* Puts the shape on a body, once for each material that it is meant to meet. */
-void add_shapes(pl_dart_world &world, dynamics::BodyNode &node, const pl_body &body, int index)
+void add_shapes(pl_engine_instance &it, dynamics::BodyNode &node, const pl_body &body, int index)
 {
-    const dynamics::ShapePtr shape = shape_of(world, body.shape);
+    const dynamics::ShapePtr shape = shape_of(it, body.shape);
     const int material = body.material;
-    for (int partner = 0; partner < world.pairs.material_count; ++partner) {
-        if (world.pairs.by_partner ? !pl_dart_can_touch(&world.pairs, material, partner)
-                                   : partner > 0) {
+    for (int partner = 0; partner < it.pairs.material_count; ++partner) {
+        if (it.pairs.by_partner ? !pl_dart_can_touch(&it.pairs, material, partner) : partner > 0) {
             continue;
         }
         auto *made =
             node.createShapeNodeWith<dynamics::CollisionAspect, dynamics::DynamicsAspect>(shape);
-        const pl_pair_coefficients stored = pl_dart_stored(&world.pairs, material, partner);
+        const pl_pair_coefficients stored = pl_dart_stored(&it.pairs, material, partner);
         made->getDynamicsAspect()->setFrictionCoeff(stored.friction);
         made->getDynamicsAspect()->setRestitutionCoeff(stored.restitution);
-        world.roles[made] = ShapeRole{index, material, partner, body.is_static};
+        it.roles[made] = ShapeRole{index, material, partner, body.is_static};
     }
 }
 
-void add_body(pl_dart_world &world, const pl_body &body, int index)
+void add_body(pl_engine_instance &it, const pl_body &body, int index)
 {
     const auto skeleton = dynamics::Skeleton::create("body " + std::to_string(index));
-    const Eigen::Isometry3d pose = pl_dart_pose(world.def, *world.setup, body);
+    const Eigen::Isometry3d pose = pl_dart_pose(*it.setup, body);
     dynamics::BodyNode *node = nullptr;
     if (body.is_static) {
         const auto made = skeleton->createJointAndBodyNodePair<dynamics::WeldJoint>();
@@ -222,76 +218,73 @@ void add_body(pl_dart_world &world, const pl_body &body, int index)
             pose.linear().transpose() * vector(body.velocity);
         made.first->setVelocities(velocities);
     }
-    add_shapes(world, *node, body, index);
-    world.world->addSkeleton(skeleton);
-    world.bodies.push_back(node);
+    add_shapes(it, *node, body, index);
+    it.world->addSkeleton(skeleton);
+    it.bodies.push_back(node);
 }
 
 /* ---- The world ---- */
 
-std::unique_ptr<CountingSolver> make_solver(const pl_dart_world_def &def)
+std::unique_ptr<CountingSolver> make_solver(const pl_engine_setup &setup)
 {
-    const pl_dart_settings &settings = def.settings;
     auto sweeps = std::make_shared<constraint::PgsBoxedLcpSolver>();
     constraint::PgsBoxedLcpSolver::Option option = sweeps->getOption();
-    option.mMaxIteration = settings.iterations;
-    option.mDeltaXThreshold = settings.delta_x;
-    option.mRelativeDeltaXTolerance = settings.relative_delta_x;
-    option.mRandomizeConstraintOrder = settings.random_order;
+    option.mMaxIteration = static_cast<int>(setup.values[OPTION_ITERATIONS]);
+    option.mDeltaXThreshold = setup.values[OPTION_DELTA_X];
+    option.mRelativeDeltaXTolerance = setup.values[OPTION_RELATIVE_DELTA_X];
+    option.mRandomizeConstraintOrder = setup.values[OPTION_RANDOM_ORDER] > 0;
     sweeps->setOption(option);
-    if (def.pgs) {
-        return std::make_unique<CountingSolver>(sweeps, nullptr, def.matrix_limit);
+    if (setup.profile == PROFILE_PGS) {
+        return std::make_unique<CountingSolver>(sweeps, nullptr);
     }
     return std::make_unique<CountingSolver>(std::make_shared<constraint::DantzigBoxedLcpSolver>(),
-                                            sweeps, def.matrix_limit);
+                                            sweeps);
 }
 
-void set_contacts(const pl_dart_settings &settings)
+void set_contacts(const double *values)
 {
     using Contacts = constraint::ContactConstraint;
-    Contacts::setConstraintForceMixing(settings.cfm);
-    Contacts::setErrorReductionParameter(settings.erp);
-    Contacts::setErrorAllowance(settings.error_allowance);
-    Contacts::setMaxErrorReductionVelocity(settings.max_erv);
+    Contacts::setConstraintForceMixing(values[OPTION_CFM]);
+    Contacts::setErrorReductionParameter(values[OPTION_ERP]);
+    Contacts::setErrorAllowance(values[OPTION_ERROR_ALLOWANCE]);
+    Contacts::setMaxErrorReductionVelocity(values[OPTION_MAX_ERV]);
 }
 
-pl_status fill(pl_dart_world &world, pl_error *error)
+pl_status fill(pl_engine_instance &it, pl_error *error)
 {
-    const pl_engine_setup &setup = *world.setup;
+    const pl_engine_setup &setup = *it.setup;
     const pl_scene &scene = *setup.scene;
-    for (int i = 0; i < scene.body_count; ++i) {
-        const char *reason = pl_dart_why_not(world.def, scene.bodies[i].shape.kind);
-        if (reason != nullptr) {
-            return pl_engine_error(error, PL_UNSUPPORTED, reason);
-        }
+    const pl_status status = pl_dart_check_shapes(setup, error);
+    if (status != PL_OK) {
+        return status;
     }
-    if (pl_dart_pairs_of(&setup, &world.pairs) != PL_OK) {
+    if (pl_dart_pairs_of(&setup, &it.pairs) != PL_OK) {
         return pl_engine_error(error, PL_NO_MEMORY,
                                "out of memory for the materials of a DART world");
     }
-    const collision::CollisionDetectorPtr detector = pl_dart_make_detector(world.def);
+    const collision::CollisionDetectorPtr detector = pl_dart_make_detector(setup);
     if (detector == nullptr) {
         return pl_engine_error(
             error, PL_UNSUPPORTED,
             "built without ODE's detector (Debian package libdart-collision-ode-dev)");
     }
-    set_contacts(world.def.settings);
+    set_contacts(setup.values);
     /* PGS with random_order draws from this generator, which the process shares. */
     dart::external::ode::dRandSetSeed(0);
     dart::math::Random::setSeed(0);
-    world.world = dart::simulation::World::create();
-    world.world->setGravity(vector(scene.gravity));
-    auto solver = make_solver(world.def);
-    world.solver = solver.get();
-    world.world->setConstraintSolver(std::move(solver));
-    world.solver->setCollisionDetector(detector);
-    world.solver->getCollisionOption().maxNumContacts =
-        static_cast<std::size_t>(world.def.settings.max_contacts);
-    world.solver->getCollisionOption().collisionFilter =
-        std::make_shared<RoleFilter>(world.roles, world.pairs.by_partner);
-    world.world->setTimeStep(setup.dt);
+    it.world = dart::simulation::World::create();
+    it.world->setGravity(vector(scene.gravity));
+    auto solver = make_solver(setup);
+    it.solver = solver.get();
+    it.world->setConstraintSolver(std::move(solver));
+    it.solver->setCollisionDetector(detector);
+    it.solver->getCollisionOption().maxNumContacts =
+        static_cast<std::size_t>(setup.values[OPTION_MAX_CONTACTS]);
+    it.solver->getCollisionOption().collisionFilter =
+        std::make_shared<RoleFilter>(it.roles, it.pairs.by_partner);
+    it.world->setTimeStep(setup.dt);
     for (int i = 0; i < scene.body_count; ++i) {
-        add_body(world, scene.bodies[i], i);
+        add_body(it, scene.bodies[i], i);
     }
     return PL_OK;
 }
@@ -304,10 +297,11 @@ bool is_solved(const collision::Contact &contact)
     return !(contact.penetrationDepth < 0) && !collision::Contact::isZeroNormal(contact.normal);
 }
 
-void convert_contact(const pl_dart_world &world, const collision::Contact &contact, pl_contact &out)
+void convert_contact(const pl_engine_instance &it, const collision::Contact &contact,
+                     pl_contact &out)
 {
-    const int first = world.roles.at(contact.collisionObject1->getShapeFrame()).body;
-    const int second = world.roles.at(contact.collisionObject2->getShapeFrame()).body;
+    const int first = it.roles.at(contact.collisionObject1->getShapeFrame()).body;
+    const int second = it.roles.at(contact.collisionObject2->getShapeFrame()).body;
     const bool in_order = first < second;
     const double sign = in_order ? -1 : 1;
     out.body_a = in_order ? first : second;
@@ -315,58 +309,70 @@ void convert_contact(const pl_dart_world &world, const collision::Contact &conta
     out.separation = -contact.penetrationDepth;
     store(contact.point, out.point);
     store(sign * contact.normal.normalized(), out.normal);
-    store(sign * contact.force * world.world->getTimeStep(), out.impulse);
+    store(sign * contact.force * it.world->getTimeStep(), out.impulse);
 }
 
 /* The shape of a body that is meant to meet `partner`; null when there is none. */
-const dynamics::DynamicsAspect *surface_of(const pl_dart_world &world, int body, int partner)
+const dynamics::DynamicsAspect *surface_of(const pl_engine_instance &it, int body, int partner)
 {
-    for (const dynamics::ShapeNode *node :
-         world.bodies[static_cast<size_t>(body)]->getShapeNodes()) {
-        if (!world.pairs.by_partner || world.roles.at(node).partner == partner) {
+    for (const dynamics::ShapeNode *node : it.bodies[static_cast<size_t>(body)]->getShapeNodes()) {
+        if (!it.pairs.by_partner || it.roles.at(node).partner == partner) {
             return node->getDynamicsAspect();
         }
     }
     return nullptr;
 }
 
-} // namespace
+/* ---- State ---- */
 
-pl_dart_settings pl_dart_defaults(void)
+/* The state of a body in the frame of its shape. */
+void read_body(const pl_engine_instance &it, int body, pl_body_state &state)
 {
-    /* Asked before any world changes the global ones. */
-    static const pl_dart_settings defaults = [] {
-        using Contacts = constraint::ContactConstraint;
-        const constraint::PgsBoxedLcpSolver::Option sweeps;
-        const constraint::BoxedLcpConstraintSolver solver;
-        pl_dart_settings found;
-        found.iterations = sweeps.mMaxIteration;
-        found.delta_x = sweeps.mDeltaXThreshold;
-        found.relative_delta_x = sweeps.mRelativeDeltaXTolerance;
-        found.random_order = sweeps.mRandomizeConstraintOrder;
-        found.max_contacts = static_cast<int>(solver.getCollisionOption().maxNumContacts);
-        found.cfm = Contacts::getConstraintForceMixing();
-        found.erp = Contacts::getErrorReductionParameter();
-        found.error_allowance = Contacts::getErrorAllowance();
-        found.max_erv = Contacts::getMaxErrorReductionVelocity();
-        found.fcl_primitives = false; /* the constructor of ConstraintSolver sets MESH */
-        return found;
-    }();
-    return defaults;
+    const dynamics::BodyNode *node = it.bodies[static_cast<size_t>(body)];
+    const Eigen::Isometry3d &pose = node->getWorldTransform();
+    const Eigen::Quaterniond q(pose.linear());
+    store(pose.translation(), state.position);
+    store(node->getLinearVelocity(), state.velocity);
+    store(node->getAngularVelocity(), state.angular_velocity);
+    state.orientation[0] = q.w();
+    state.orientation[1] = q.x();
+    state.orientation[2] = q.y();
+    state.orientation[3] = q.z();
+    pl_to_shape_pose(&it.setup->scene->bodies[body].shape, state.position, state.orientation);
 }
 
-pl_status pl_dart_world_create(const pl_dart_world_def *def, const pl_engine_setup *setup,
-                               pl_dart_world **world, pl_error *error)
+void add_forces(const pl_engine_instance &it, double dt)
 {
-    *world = nullptr;
-    pl_dart_defaults();
+    const pl_scene &scene = *it.setup->scene;
+    for (int i = 0; i < scene.force_count; ++i) {
+        const pl_force &force = scene.forces[i];
+        pl_body_state state;
+        double world_force[3], offset[3];
+        if (scene.bodies[force.body].is_static) {
+            continue;
+        }
+        read_body(it, force.body, state);
+        if (pl_force_at(&force, it.time, dt, state.orientation, world_force, offset)) {
+            dynamics::BodyNode *node = it.bodies[static_cast<size_t>(force.body)];
+            node->addExtForce(vector(world_force));
+            node->addExtTorque(vector(offset).cross(vector(world_force)));
+        }
+    }
+}
+
+} // namespace
+
+pl_status pl_dart_create(const pl_engine_setup *setup, pl_engine_instance **out, pl_error *error)
+{
+    double shipped[OPTION_COUNT];
+    *out = nullptr;
     try {
-        auto made = std::make_unique<pl_dart_world>();
+        pl_dart_profile_defaults(setup->profile, shipped);
+        auto made = std::make_unique<pl_engine_instance>();
         made->setup = setup;
-        made->def = *def;
         const pl_status status = fill(*made, error);
         if (status == PL_OK) {
-            *world = made.release();
+            *out = made.release();
         }
         return status;
     } catch (const std::bad_alloc &) {
@@ -376,65 +382,65 @@ pl_status pl_dart_world_create(const pl_dart_world_def *def, const pl_engine_set
     }
 }
 
-void pl_dart_world_destroy(pl_dart_world *world)
+void pl_dart_destroy(pl_engine_instance *instance)
 {
-    delete world;
+    delete instance;
 }
 
-void pl_dart_add_force(pl_dart_world *world, int body, const double force[3],
-                       const double offset[3])
+pl_status pl_dart_step(pl_engine_instance *instance, double dt, pl_step_stats *stats,
+                       pl_error *error)
 {
-    dynamics::BodyNode *node = world->bodies[static_cast<size_t>(body)];
-    node->addExtForce(vector(force));
-    node->addExtTorque(vector(offset).cross(vector(force)));
-}
-
-pl_status pl_dart_step(pl_dart_world *world, pl_step_stats *stats, double *rows, double *bytes)
-{
-    CountingSolver &solver = *world->solver;
+    CountingSolver &solver = *instance->solver;
     solver.groups = 0;
     solver.solve_time = 0;
+    add_forces(*instance, dt);
     const double start = now();
     try {
-        world->world->step();
+        instance->world->step();
     } catch (...) {
-        return PL_FAILED;
+        return pl_fail(error, PL_FAILED, "DART threw an exception in step %ld",
+                       instance->steps + 1);
     }
     const double elapsed = now() - start;
     if (solver.refused_rows > 0) {
-        *rows = solver.refused_rows;
-        *bytes = solver.refused_bytes;
-        return PL_UNSUPPORTED;
+        return pl_fail(error, PL_UNSUPPORTED,
+                       "dart:%s needs %.1f GiB for the dense matrices of %.0f contact rows; the "
+                       "limit is %.0f GiB",
+                       pl_dart_profiles[instance->setup->profile].name,
+                       solver.refused_bytes / gibibyte, solver.refused_rows,
+                       dense_limit / gibibyte);
     }
     stats->contacts = static_cast<double>(solver.contacts());
     stats->islands = solver.groups;
     stats->time_solve = solver.solve_time;
     stats->time_other = elapsed - solver.solve_time;
+    instance->time += dt;
+    ++instance->steps;
     return PL_OK;
 }
 
-void pl_dart_read_body(const pl_dart_world *world, int body, pl_body_state *state)
+void pl_dart_read_frame(const pl_engine_instance *instance, pl_frame *frame)
 {
-    const dynamics::BodyNode *node = world->bodies[static_cast<size_t>(body)];
-    const Eigen::Isometry3d &pose = node->getWorldTransform();
-    const Eigen::Quaterniond q(pose.linear());
-    store(pose.translation(), state->position);
-    store(node->getLinearVelocity(), state->velocity);
-    store(node->getAngularVelocity(), state->angular_velocity);
-    state->orientation[0] = q.w();
-    state->orientation[1] = q.x();
-    state->orientation[2] = q.y();
-    state->orientation[3] = q.z();
+    const pl_scene &scene = *instance->setup->scene;
+    frame->time = instance->time;
+    for (int i = 0; i < frame->body_count; ++i) {
+        if (scene.bodies[i].shape.kind == PL_SHAPE_PLANE) {
+            /* Its shape has its place, or a box stands for it. */
+            pl_initial_state(&scene.bodies[i], &frame->bodies[i]);
+        } else {
+            read_body(*instance, i, frame->bodies[i]);
+        }
+    }
 }
 
-void pl_dart_read_settings(const pl_dart_world *world, pl_engine_settings *settings)
+void pl_dart_read_settings(const pl_engine_instance *instance, pl_engine_settings *settings)
 {
-    store(world->world->getGravity(), settings->gravity);
-    settings->dt = world->world->getTimeStep();
+    store(instance->world->getGravity(), settings->gravity);
+    settings->dt = instance->world->getTimeStep();
     settings->linear_damping = 0;
     settings->angular_damping = 0;
     for (int i = 0; i < settings->body_count; ++i) {
-        const dynamics::BodyNode *node = world->bodies[static_cast<size_t>(i)];
+        const dynamics::BodyNode *node = instance->bodies[static_cast<size_t>(i)];
         const dynamics::Joint *joint = node->getParentJoint();
         const bool moves = node->getSkeleton()->isMobile();
         settings->mass[i] = moves ? node->getMass() : 0;
@@ -448,12 +454,12 @@ void pl_dart_read_settings(const pl_dart_world *world, pl_engine_settings *setti
     }
 }
 
-void pl_dart_read_pair(const pl_dart_world *world, int body_a, int body_b,
+void pl_dart_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
                        pl_pair_coefficients *found)
 {
-    const pl_body *bodies = world->setup->scene->bodies;
-    const auto *a = surface_of(*world, body_a, bodies[body_b].material);
-    const auto *b = surface_of(*world, body_b, bodies[body_a].material);
+    const pl_body *bodies = instance->setup->scene->bodies;
+    const auto *a = surface_of(*instance, body_a, bodies[body_b].material);
+    const auto *b = surface_of(*instance, body_b, bodies[body_a].material);
     found->friction = NAN;
     found->restitution = NAN;
     if (a != nullptr && b != nullptr) {
@@ -462,14 +468,14 @@ void pl_dart_read_pair(const pl_dart_world *world, int body_a, int body_b,
     }
 }
 
-int pl_dart_read_contacts(const pl_dart_world *world, pl_contact *contacts, int capacity)
+int pl_dart_read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity)
 {
-    const auto &found = world->world->getLastCollisionResult();
+    const auto &found = instance->world->getLastCollisionResult();
     int count = 0;
     for (std::size_t i = 0; i < found.getNumContacts(); ++i) {
         if (is_solved(found.getContact(i))) {
             if (count < capacity) {
-                convert_contact(*world, found.getContact(i), contacts[count]);
+                convert_contact(*instance, found.getContact(i), contacts[count]);
             }
             ++count;
         }
