@@ -1,5 +1,5 @@
 /* How results are gathered: numbers as text, repeats, cases and engines. */
-#include "report/number_format.h"
+#include "base/number_format.h"
 #include "report/report.h"
 
 #include "check.h"
@@ -37,7 +37,7 @@ static void test_quantity_has_three_digits_and_an_engineers_unit(void **state)
         {1, "as it says", "1.00 as it says"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        char text[PL_NUMBER_SIZE];
+        char text[PL_QUANTITY_SIZE];
         pl_format_number(cases[i].value, cases[i].unit, text);
         assert_string_equal(text, cases[i].text);
     }
@@ -46,7 +46,7 @@ static void test_quantity_has_three_digits_and_an_engineers_unit(void **state)
 static void test_no_number_is_a_dash_and_never_zero(void **state)
 {
     (void)state;
-    char text[PL_NUMBER_SIZE];
+    char text[PL_QUANTITY_SIZE];
     pl_format_number((double)NAN, "m", text);
     assert_string_equal(text, "–");
     pl_format_number((double)INFINITY, "s", text);
