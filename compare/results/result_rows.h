@@ -12,9 +12,13 @@ pl_status pl_result_rows_read(const pl_result_table_def *def, pl_result_table *t
 /* What tells the row's scene from others. */
 pl_case_identity pl_result_row_scene(const pl_result_row *row);
 
-/* Orders of rows, below, equal to or above 0; equal for rows of one scene, of one case, of one build. */
+/* Order by scene, as of strcmp: 0 for rows of one scene. */
 int pl_result_rows_compare_scenes(const pl_result_row *a, const pl_result_row *b);
+
+/* Order by case: by scene, then by falling time step, change and hash. */
 int pl_result_rows_compare_cases(const pl_result_row *a, const pl_result_row *b);
+
+/* Order by build, of rows of one engine. */
 int pl_result_rows_compare_builds(const pl_result_row *a, const pl_result_row *b);
 
 #endif

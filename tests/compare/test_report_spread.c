@@ -1,6 +1,6 @@
 /* The spread of repeats on the terminal. */
-#include "check.h"
 #include "base/number_format.h"
+#include "check.h"
 #include "report_rows.h"
 
 #include <stdlib.h>
