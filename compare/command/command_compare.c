@@ -62,14 +62,14 @@ static void print_table(const pl_result_table *results)
                           pl_window_width(stdout));
 }
 
-/* Report, --json and table, of all results in the store; the table last, because a reader of it
+/* Report, --json and table, of the results in the store that are of no study; the table last, because a reader of it
  * that leaves early ends the program. */
-static pl_status deliver(const options *o, json_t *results, const json_t *reference,
-                         pl_error *error)
+static pl_status deliver(const options *o, const json_t *all, json_t *results,
+                         const json_t *reference, pl_error *error)
 {
     const char *const folders[] = {o->request.out};
     char *path = pl_heap_format("%s/results.jsonl", o->request.out);
-    const pl_result_file file = {.path = path, .results = results};
+    const pl_result_file file = {.path = path, .results = all};
     const pl_result_table_def table_def = {.files = &file, .file_count = 1, .home = "plumb"};
     pl_result_table table;
     const pl_report_def def = {.directory = o->request.out,
@@ -275,7 +275,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     if (status == PL_OK && signal_number == 0) {
         json_t *results = pl_results_of_study(pl_store_results(store), NULL);
         drop_old_reference(&r);
-        status = deliver(o, results, r.outcome, &error);
+        status = deliver(o, pl_store_results(store), results, r.outcome, &error);
         code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
         json_decref(results);
     }

@@ -175,14 +175,19 @@ static pl_status write_report(const options *o, const pl_merge *merge, pl_error 
 }
 
 /* Concludes every study that has runs among the results. */
-static pl_status conclude_studies(const pl_request *request, const json_t *results, pl_error *error)
+static pl_status conclude_studies(const pl_request *request, const pl_merge *merge, pl_error *error)
 {
     pl_status status = PL_OK;
     int count = 0;
     const pl_study *const *studies = pl_studies(&count);
     for (int i = 0; i < count && status == PL_OK; ++i) {
-        json_t *own = pl_results_of_study(results, studies[i]->name);
-        if (json_array_size(own) > 0) {
+        const pl_result_table_def def = {.files = merge->sources,
+                                         .file_count = merge->source_count,
+                                         .study = studies[i]->name,
+                                         .has_changes = true};
+        json_t *own = NULL;
+        status = pl_results_that_count(&def, &own, error);
+        if (status == PL_OK && json_array_size(own) > 0) {
             status = pl_study_deliver(request, studies[i], own, request->names.items[0], error);
         }
         json_decref(own);
@@ -235,7 +240,7 @@ static pl_status deliver(const options *o, const pl_merge *merge, pl_error *erro
         status = report_plain(o, merge, error);
     }
     if (status == PL_OK) {
-        status = conclude_studies(request, merge->results, error);
+        status = conclude_studies(request, merge, error);
     }
     if (status == PL_OK) {
         status = pl_merge_write(merge, path, error);

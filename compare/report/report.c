@@ -130,28 +130,9 @@ static void add_header(pl_text_buffer *out)
     pl_text_add(out, ",value_text\r\n");
 }
 
-static int compare_places(const void *left, const void *right)
-{
-    const pl_result_row *a = *(const pl_result_row *const *)left;
-    const pl_result_row *b = *(const pl_result_row *const *)right;
-    return a->file != b->file ? a->file - b->file : a->line - b->line;
-}
-
-/* The results in the order of their files. The caller frees. */
-static const pl_result_row **by_place(const pl_result_table *results)
-{
-    const pl_result_row **rows =
-        pl_heap_new((size_t)results->row_count, sizeof(const pl_result_row *));
-    for (int i = 0; i < results->row_count; ++i) {
-        rows[i] = &results->rows[i];
-    }
-    qsort(rows, (size_t)results->row_count, sizeof *rows, compare_places);
-    return rows;
-}
-
 void pl_report_csv(const pl_result_table *results, pl_text_buffer *out)
 {
-    const pl_result_row **rows = by_place(results);
+    const pl_result_row **rows = pl_result_table_by_place(results);
     add_header(out);
     for (int i = 0; i < results->row_count; ++i) {
         if (json_object_size(rows[i]->metrics) == 0) {
@@ -225,7 +206,7 @@ static pl_status write_files(report_file *files, int count, const pl_report_def 
 
 void pl_report_runs_csv(const pl_result_table *results, pl_text_buffer *out)
 {
-    const pl_result_row **rows = by_place(results);
+    const pl_result_row **rows = pl_result_table_by_place(results);
     add_columns(run_columns, RUN_COLUMNS, true, out);
     add_columns(verdict_columns, VERDICT_COLUMNS, false, out);
     for (int id = 0; id < PL_METRIC_COUNT; ++id) {

@@ -280,6 +280,42 @@ void pl_result_table_print_left_out(const pl_result_table *table, FILE *out)
     }
 }
 
+static int compare_places(const void *left, const void *right)
+{
+    const pl_result_row *a = *(const pl_result_row *const *)left;
+    const pl_result_row *b = *(const pl_result_row *const *)right;
+    return a->file != b->file ? a->file - b->file : a->line - b->line;
+}
+
+const pl_result_row **pl_result_table_by_place(const pl_result_table *table)
+{
+    const pl_result_row **rows =
+        pl_heap_new((size_t)table->row_count, sizeof(const pl_result_row *));
+    for (int i = 0; i < table->row_count; ++i) {
+        rows[i] = &table->rows[i];
+    }
+    qsort(rows, (size_t)table->row_count, sizeof *rows, compare_places);
+    return rows;
+}
+
+pl_status pl_results_that_count(const pl_result_table_def *def, json_t **results, pl_error *error)
+{
+    pl_result_table table;
+    pl_status status = pl_result_table_build(def, &table, error);
+    *results = NULL;
+    if (status == PL_OK) {
+        const pl_result_row **rows = pl_result_table_by_place(&table);
+        pl_result_table_print_left_out(&table, stderr);
+        *results = json_array();
+        for (int i = 0; i < table.row_count; ++i) {
+            json_array_append(*results, (json_t *)rows[i]->result);
+        }
+        free(rows);
+    }
+    pl_result_table_free(&table);
+    return status;
+}
+
 const pl_result_cell *pl_result_case_cell(const pl_result_case *test_case, int configuration)
 {
     int low = 0, high = test_case->count;

@@ -129,6 +129,13 @@ void pl_result_table_free(pl_result_table *table);
 /* Prints how many results were left out, and why; nothing where none were. */
 void pl_result_table_print_left_out(const pl_result_table *table, FILE *out);
 
+/* The rows in the order of their files. The caller frees. */
+const pl_result_row **pl_result_table_by_place(const pl_result_table *table);
+
+/* The results that count of those to tabulate, in the order of their files, for what needs no table: a new array.
+ * Prints what was left out on standard error. Errors as of pl_result_table_build, and *results is then NULL. */
+pl_status pl_results_that_count(const pl_result_table_def *def, json_t **results, pl_error *error);
+
 /* The cell of a configuration on a case; NULL: it was not run. */
 const pl_result_cell *pl_result_case_cell(const pl_result_case *test_case, int configuration);
 
