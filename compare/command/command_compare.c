@@ -2,6 +2,7 @@
  * runs end; the report is made at the end from all results in that file. Scene files that expect
  * nothing get a converged reference, DIR/reference.json. */
 #include "base/folding.h"
+#include "base/heap.h"
 #include "open_page.h"
 #include "report/report.h"
 #include "request.h"
@@ -53,7 +54,7 @@ static void amend(void *user, json_t *result)
     pl_tolerance_put(k->plan, k->tolerances, result);
 }
 
-static void print_table(const json_t *results)
+static void print_table(const pl_result_table *results)
 {
     const char *plain = getenv("NO_COLOR");
     bool terminal = isatty(STDOUT_FILENO) == 1;
@@ -61,27 +62,37 @@ static void print_table(const json_t *results)
                           pl_window_width(stdout));
 }
 
-/* Report, --json and table, of all results in the store; the table last, because a reader of it
+/* Report, --json and table, of the results in the store that are of no study; the table last, because a reader of it
  * that leaves early ends the program. */
-static pl_status deliver(const options *o, json_t *results, const json_t *reference,
-                         pl_error *error)
+static pl_status deliver(const options *o, const json_t *all, json_t *results,
+                         const json_t *reference, pl_error *error)
 {
     const char *const folders[] = {o->request.out};
+    char *path = pl_heap_format("%s/results.jsonl", o->request.out);
+    const pl_result_file file = {.path = path, .results = all};
+    const pl_result_table_def table_def = {.files = &file, .file_count = 1, .home = "plumb"};
+    pl_result_table table;
     const pl_report_def def = {.directory = o->request.out,
-                               .results = results,
+                               .results = &table,
                                .folders = folders,
                                .folder_count = 1,
                                .reference = reference};
-    pl_status status = pl_report_write(&def, error);
+    pl_status status = pl_result_table_build(&table_def, &table, error);
+    const bool is_built = status == PL_OK;
+    if (is_built) {
+        status = pl_report_write(&def, error);
+    }
     if (status == PL_OK) {
         status = pl_results_write_json(o->request.json, results, error);
     }
-    if (!pl_is_stdout(o->request.json)) {
-        print_table(results);
+    if (is_built && !pl_is_stdout(o->request.json)) {
+        print_table(&table);
         pl_reference_study_print(stdout, reference);
     }
     if (status == PL_OK) {
         size_t count = json_array_size(results);
+        fflush(stdout);
+        pl_result_table_print_left_out(&table, stderr);
         pl_print_line(stderr, "%zu %s and the report are in %s/", count,
                       count == 1 ? "result" : "results", o->request.out);
     }
@@ -90,6 +101,8 @@ static pl_status deliver(const options *o, json_t *results, const json_t *refere
         snprintf(page, sizeof page, "%.4000s/index.html", o->request.out);
         status = pl_open_page(page, error);
     }
+    pl_result_table_free(&table);
+    free(path);
     return status;
 }
 
@@ -260,7 +273,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     if (status == PL_OK && signal_number == 0) {
         json_t *results = pl_results_of_study(pl_store_results(store), NULL);
         drop_old_reference(&r);
-        status = deliver(o, results, r.outcome, &error);
+        status = deliver(o, pl_store_results(store), results, r.outcome, &error);
         code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
         json_decref(results);
     }

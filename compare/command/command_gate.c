@@ -1,5 +1,6 @@
 /* plumb gate: results against a baseline and against rules; the exit code is the verdict. */
 #include "base/folding.h"
+#include "base/heap.h"
 #include "gate/baseline.h"
 #include "gate/gather.h"
 #include "gate/judge.h"
@@ -55,8 +56,9 @@ static pl_status check(void *user, pl_error *error)
 
 /* What was read and made; all is freed at the end. */
 typedef struct material {
-    pl_gate_file *files;
+    pl_result_file *files;
     int file_count;
+    pl_result_table results;
     pl_gate_rows before, now;
     pl_gate_rule *rules;
     pl_gate_verdict verdict;
@@ -67,8 +69,9 @@ static void free_material(material *m)
     pl_gate_verdict_free(&m->verdict);
     pl_gate_rows_free(&m->before);
     pl_gate_rows_free(&m->now);
+    pl_result_table_free(&m->results);
     for (int i = 0; i < m->file_count; ++i) {
-        json_decref(m->files[i].results);
+        json_decref((json_t *)m->files[i].results);
     }
     free(m->files);
     free(m->rules);
@@ -120,16 +123,20 @@ static pl_status check_reference(const options *o, const pl_gate_rows *rows, pl_
 static pl_status read_all(const options *o, material *m, pl_error *error)
 {
     pl_status status = read_rules(o, m, error);
-    m->files = calloc((size_t)o->request.names.count + 1, sizeof *m->files);
-    if (status == PL_OK && m->files == NULL) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory for results");
-    }
+    m->files = pl_heap_new((size_t)o->request.names.count, sizeof *m->files);
     for (int i = 0; i < o->request.names.count && status == PL_OK; ++i) {
-        status = pl_gate_file_read(o->request.names.items[i], &m->files[m->file_count++], error);
+        json_t *results = NULL;
+        status = pl_gate_read(o->request.names.items[i], &results, error);
+        m->files[m->file_count++] =
+            (pl_result_file){.path = o->request.names.items[i], .results = results};
     }
     if (status == PL_OK) {
-        /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc): the caller frees m->files */
-        status = pl_gate_gather(m->files, m->file_count, &o->tolerances, &m->now, error);
+        const pl_result_table_def def = {.files = m->files, .file_count = m->file_count};
+        status = pl_result_table_build(&def, &m->results, error);
+    }
+    if (status == PL_OK) {
+        pl_result_table_print_left_out(&m->results, stderr);
+        pl_gate_gather(&m->results, &o->tolerances, &m->now);
     }
     if (status == PL_OK && m->now.count > 0) {
         status = check_reference(o, &m->now, error);
@@ -145,10 +152,8 @@ static pl_status read_all(const options *o, material *m, pl_error *error)
 
 static pl_status update(const options *o, material *m, pl_error *error)
 {
-    pl_status status = pl_gate_ratios_add(&m->now, o->reference, error);
-    if (status == PL_OK) {
-        status = pl_gate_baseline_write(o->baseline, &m->now, error);
-    }
+    pl_gate_ratios_add(&m->now, o->reference);
+    pl_status status = pl_gate_baseline_write(o->baseline, &m->now, error);
     if (status == PL_OK) {
         pl_print_line(stderr, "%d row%s written to %s", m->now.count, m->now.count == 1 ? "" : "s",
                       o->baseline);
@@ -216,8 +221,8 @@ static pl_status judge(const options *o, material *m, pl_error *error)
                                .rules = m->rules,
                                .rule_count = o->rules.count,
                                .reference = o->reference};
-    pl_status status = pl_gate_judge(&in, &m->verdict, error);
-    return status == PL_OK ? deliver(o, &m->verdict, error) : status;
+    pl_gate_judge(&in, &m->verdict);
+    return deliver(o, &m->verdict, error);
 }
 
 static int exit_code(const pl_call *call, const options *o, const material *m)

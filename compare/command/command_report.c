@@ -98,11 +98,25 @@ static bool is_sweep(const pl_sweep_analysis *analysis)
     return false;
 }
 
-/* Of a sweep, who is faster at the same error. */
-static pl_status analyse(const pl_request *request, const json_t *results, pl_error *error)
+static pl_status build_table(const pl_merge *merge, bool has_changes, pl_result_table *results,
+                             pl_error *error)
 {
-    pl_sweep_analysis analysis;
-    pl_status status = pl_sweep_analyse(results, &analysis, error);
+    const pl_result_table_def def = {.files = merge->sources,
+                                     .file_count = merge->source_count,
+                                     .has_changes = has_changes,
+                                     .home = "plumb"};
+    return pl_result_table_build(&def, results, error);
+}
+
+/* Of a sweep, who is faster at the same error. */
+static pl_status analyse(const pl_request *request, const pl_merge *merge, pl_error *error)
+{
+    pl_result_table results;
+    pl_sweep_analysis analysis = {.results = NULL};
+    pl_status status = build_table(merge, true, &results, error);
+    if (status == PL_OK) {
+        pl_sweep_analyse(&results, &analysis);
+    }
     if (status == PL_OK && is_sweep(&analysis)) {
         status = pl_sweep_report_write(request->out, &analysis, error);
         if (status == PL_OK) {
@@ -111,6 +125,7 @@ static pl_status analyse(const pl_request *request, const json_t *results, pl_er
         }
     }
     pl_sweep_analysis_free(&analysis);
+    pl_result_table_free(&results);
     return status;
 }
 
@@ -129,47 +144,49 @@ static json_t *find_reference(const pl_request *request)
 
 /* Writes the report of the results, or a picture, without those of changed scenes: only a sweep asks
  * whether its points hold on them. */
-static pl_status write_report(const options *o, const json_t *results, pl_error *error)
+static pl_status write_report(const options *o, const pl_merge *merge, pl_error *error)
 {
     const pl_request *request = &o->request;
-    json_t *unchanged = json_array();
-    bool failed = unchanged == NULL;
-    for (size_t i = 0; i < json_array_size(results) && !failed; ++i) {
-        json_t *result = json_array_get(results, i);
-        failed =
-            json_object_get(result, "change") == NULL && json_array_append(unchanged, result) != 0;
-    }
+    pl_result_table results;
+    pl_status status = build_table(merge, false, &results, error);
     json_t *reference = find_reference(request);
     const pl_report_def def = {.directory = request->out,
                                .only = o->format == NULL ? NULL : o->format->file,
                                .reference = reference,
-                               .results = unchanged,
+                               .results = &results,
                                .folders = request->names.items,
                                .folder_count = request->names.count};
     char *picture = NULL;
-    pl_status status =
-        failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a report")
-        : o->figure != NULL && o->format != NULL
-            ? pl_figure_write(&def, o->figure, o->format->picture, request->force, &picture, error)
-            : pl_report_write(&def, error);
+    if (status == PL_OK) {
+        pl_result_table_print_left_out(&results, stderr);
+        status = o->figure != NULL && o->format != NULL
+                     ? pl_figure_write(&def, o->figure, o->format->picture, request->force,
+                                       &picture, error)
+                     : pl_report_write(&def, error);
+    }
     if (picture != NULL && status == PL_OK) {
         pl_print_line(stderr, "the picture is in %s", picture);
     }
     free(picture);
     json_decref(reference);
-    json_decref(unchanged);
+    pl_result_table_free(&results);
     return status;
 }
 
 /* Concludes every study that has runs among the results. */
-static pl_status conclude_studies(const pl_request *request, const json_t *results, pl_error *error)
+static pl_status conclude_studies(const pl_request *request, const pl_merge *merge, pl_error *error)
 {
     pl_status status = PL_OK;
     int count = 0;
     const pl_study *const *studies = pl_studies(&count);
     for (int i = 0; i < count && status == PL_OK; ++i) {
-        json_t *own = pl_results_of_study(results, studies[i]->name);
-        if (json_array_size(own) > 0) {
+        const pl_result_table_def def = {.files = merge->sources,
+                                         .file_count = merge->source_count,
+                                         .study = studies[i]->name,
+                                         .has_changes = true};
+        json_t *own = NULL;
+        status = pl_results_that_count(&def, &own, error);
+        if (status == PL_OK && json_array_size(own) > 0) {
             status = pl_study_deliver(request, studies[i], own, request->names.items[0], error);
         }
         json_decref(own);
@@ -178,15 +195,15 @@ static pl_status conclude_studies(const pl_request *request, const json_t *resul
 }
 
 /* The report of the runs that belong to no study. */
-static pl_status report_plain(const options *o, const json_t *results, pl_error *error)
+static pl_status report_plain(const options *o, const pl_merge *merge, pl_error *error)
 {
-    json_t *plain = pl_results_of_study(results, NULL);
+    json_t *plain = pl_results_of_study(merge->results, NULL);
     pl_status status = PL_OK;
     if (json_array_size(plain) > 0) {
-        status = write_report(o, plain, error);
+        status = write_report(o, merge, error);
     }
     if (status == PL_OK && json_array_size(plain) > 0) {
-        status = analyse(&o->request, plain, error);
+        status = analyse(&o->request, merge, error);
     }
     json_decref(plain);
     return status;
@@ -205,7 +222,7 @@ static pl_status deliver(const options *o, const pl_merge *merge, pl_error *erro
         if (made == PL_OK) {
             made = pl_make_directories(request->out, error);
         }
-        return made == PL_OK ? write_report(o, merge->results, error) : made;
+        return made == PL_OK ? write_report(o, merge, error) : made;
     }
     if (asprintf(&path, "%s/results.jsonl", request->out) < 0) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory");
@@ -219,10 +236,10 @@ static pl_status deliver(const options *o, const pl_merge *merge, pl_error *erro
             check_file(request, json_array_size(pl_store_results(store)) > 0, "index.html", error);
     }
     if (status == PL_OK) {
-        status = report_plain(o, merge->results, error);
+        status = report_plain(o, merge, error);
     }
     if (status == PL_OK) {
-        status = conclude_studies(request, merge->results, error);
+        status = conclude_studies(request, merge, error);
     }
     if (status == PL_OK) {
         status = pl_merge_write(merge, path, error);
@@ -320,7 +337,7 @@ static int run(const pl_call *call)
         pl_request_free(&request);
         return status == PL_OK ? code : pl_call_fail(call, &error);
     }
-    status = pl_merge_begin(&merge, &error);
+    merge = pl_merge_begin();
     for (int i = 0; i < request.names.count && status == PL_OK; ++i) {
         status = pl_merge_add(&merge, request.names.items[i], stderr, &error);
     }

@@ -2,6 +2,7 @@
  * runs end; several processes may make a shard each, in folders of their own. */
 #include "base/array.h"
 #include "base/folding.h"
+#include "base/heap.h"
 #include "report/sweep_report.h"
 #include "request.h"
 #include "results/store.h"
@@ -87,8 +88,9 @@ static pl_status open_store(const options *o, bool is_shard, const char *folder,
 {
     static const char *const report_files[] = {"sweep.html", NULL};
     const pl_store_mode mode = pl_store_mode_of(o->request.resume, o->request.force);
-    pl_status status = pl_merge_begin(&k->before, error);
-    if (status == PL_OK && (o->request.resume || (!is_shard && !o->request.force))) {
+    pl_status status = PL_OK;
+    k->before = pl_merge_begin();
+    if (o->request.resume || (!is_shard && !o->request.force)) {
         status = pl_merge_add_any(&k->before, o->request.out, error);
     }
     if (!o->request.resume && (status == PL_BAD_INPUT || json_array_size(k->before.results) > 0)) {
@@ -107,17 +109,25 @@ static pl_status open_store(const options *o, bool is_shard, const char *folder,
 
 /* The analysis of all that is there: files, then tables on standard output, unless the JSON is
  * there. */
-static pl_status analyse(const options *o, const json_t *results, pl_error *error)
+static pl_status analyse(const options *o, const pl_merge *merge, pl_error *error)
 {
-    pl_sweep_analysis analysis;
-    pl_status status = pl_sweep_analyse(results, &analysis, error);
+    const pl_result_table_def def = {.files = merge->sources,
+                                     .file_count = merge->source_count,
+                                     .has_changes = true,
+                                     .home = "plumb"};
+    pl_result_table results;
+    pl_sweep_analysis analysis = {.results = NULL};
+    pl_status status = pl_result_table_build(&def, &results, error);
     if (status == PL_OK) {
+        pl_result_table_print_left_out(&results, stderr);
+        pl_sweep_analyse(&results, &analysis);
         status = pl_sweep_report_write(o->request.out, &analysis, error);
     }
     if (status == PL_OK && !pl_is_stdout(o->request.json)) {
         pl_sweep_report_print(stdout, &analysis);
     }
     pl_sweep_analysis_free(&analysis);
+    pl_result_table_free(&results);
     return status;
 }
 
@@ -128,10 +138,10 @@ static pl_status deliver(const options *o, keeper *k, bool is_shard, const char 
     json_t *made = pl_store_results(k->store);
     pl_status status = pl_results_write_json(o->request.json, made, error);
     if (status == PL_OK && !is_shard) {
-        status = pl_merge_add_results(&k->before, made, NULL, error);
-    }
-    if (status == PL_OK && !is_shard) {
-        status = analyse(o, k->before.results, error);
+        char *path = pl_heap_format("%s/results.jsonl", folder);
+        pl_merge_add_results(&k->before, path, made);
+        free(path);
+        status = analyse(o, &k->before, error);
     }
     if (status == PL_OK) {
         const size_t count = json_array_size(made);

@@ -24,8 +24,8 @@ typedef struct drawing {
 } drawing;
 
 /* Splits "NAME:t=SECONDS", and finds the case. */
-static pl_status find_case(const pl_report *report, const char *what, int *index, double *time,
-                           pl_error *error)
+static pl_status find_case(const pl_result_table *results, const char *what, int *index,
+                           double *time, pl_error *error)
 {
     const char *colon = strstr(what, ":t=");
     const size_t length = colon == NULL ? strlen(what) : (size_t)(colon - what);
@@ -34,9 +34,9 @@ static pl_status find_case(const pl_report *report, const char *what, int *index
                        colon + 3);
     }
     for (int pass = 0; pass < 2; ++pass) {
-        for (*index = 0; *index < report->matrix.case_count; ++*index) {
-            const pl_case *test_case = &report->matrix.cases[*index];
-            const char *name = pass == 0 ? test_case->name : test_case->scenario;
+        for (*index = 0; *index < results->case_count; ++*index) {
+            const pl_result_case *test_case = &results->cases[*index];
+            const char *name = pass == 0 ? test_case->name : test_case->row->scenario;
             if (strlen(name) == length && strncmp(name, what, length) == 0) {
                 return PL_OK;
             }
@@ -174,14 +174,10 @@ pl_status pl_figure_write(const pl_report_def *def, const char *what, pl_figure_
                           bool force, char **path, pl_error *error)
 {
     drawing d = {.folder = ""};
-    pl_report report;
     int index = 0;
     double time = -1;
     *path = NULL;
-    pl_status status = pl_report_build(def->results, &report, error);
-    if (status == PL_OK) {
-        status = find_case(&report, what, &index, &time, error);
-    }
+    pl_status status = find_case(def->results, what, &index, &time, error);
     /* A name that is safe as that of a file: letters, digits, and '-' for all else. */
     for (const char *c = what; status == PL_OK && *c != '\0'; ++c) {
         const bool plain = strchr("/:= \t\n\"'\\", *c) == NULL;
@@ -202,7 +198,6 @@ pl_status pl_figure_write(const pl_report_def *def, const char *what, pl_figure_
         status = format == PL_FIGURE_SVG ? write_svg(&d, *path, error)
                                          : write_print(&d, format, *path, error);
     }
-    pl_report_free(&report);
     clean(&d);
     return status;
 }

@@ -3,6 +3,7 @@
 #include "base/folding.h"
 #include "base/heap.h"
 #include "report/page.h"
+#include "results/result_table.h"
 #include "results/store.h"
 
 #include <stdio.h>
@@ -112,10 +113,18 @@ int pl_study_command(const pl_call *call, const pl_request *request, const pl_st
         status = work->run(work->user, &how, &signal_number, &error);
     }
     if (status == PL_OK && signal_number == 0) {
-        json_t *results = pl_results_of_study(pl_store_results(store), work->study->name);
-        status = pl_study_deliver(request, work->study, results, request->out, &error);
+        char *path = pl_heap_format("%s/results.jsonl", request->out);
+        const pl_result_file made = {.path = path, .results = pl_store_results(store)};
+        const pl_result_table_def def = {
+            .files = &made, .file_count = 1, .study = work->study->name, .has_changes = true};
+        json_t *results = NULL;
+        status = pl_results_that_count(&def, &results, &error);
+        if (status == PL_OK) {
+            status = pl_study_deliver(request, work->study, results, request->out, &error);
+        }
         code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
         json_decref(results);
+        free(path);
         if (status == PL_OK) {
             pl_store_finish(store);
         }

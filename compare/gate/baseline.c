@@ -153,10 +153,6 @@ static int find_twin(const pl_gate_rows *rows, int index)
 
 static bool read_rows(const json_t *array, pl_gate_rows *rows, pl_diagnostic *diagnostic)
 {
-    rows->items = calloc(json_array_size(array) + 1, sizeof *rows->items);
-    if (rows->items == NULL) {
-        return pl_diagnose_no_memory(diagnostic);
-    }
     pl_path_push_key(&diagnostic->path, "rows");
     size_t index;
     json_t *json;
@@ -166,13 +162,7 @@ static bool read_rows(const json_t *array, pl_gate_rows *rows, pl_diagnostic *di
         if (!check_row(json, diagnostic)) {
             return false;
         }
-        pl_gate_row *row = &rows->items[rows->count++];
-        row->json = json_incref(json);
-        row->reason = "";
-        row->verdict_reason = "";
-        if (!pl_gate_row_identify(row)) {
-            return pl_diagnose_no_memory(diagnostic);
-        }
+        pl_gate_rows_add(rows, json_incref(json), NULL);
         int twin = find_twin(rows, (int)index);
         if (twin >= 0) {
             return pl_diagnose(diagnostic, "expected another run than rows[%d], found the same",
@@ -206,14 +196,11 @@ pl_status pl_gate_baseline_read(const char *path, pl_gate_rows *rows, pl_error *
 pl_status pl_gate_baseline_write(const char *path, const pl_gate_rows *rows, pl_error *error)
 {
     json_t *array = json_array();
-    bool failed = array == NULL;
     for (int i = 0; i < rows->count; ++i) {
-        failed |= json_array_append(array, rows->items[i].json) != 0;
+        json_array_append(array, rows->items[i].json);
     }
-    json_t *file = failed ? NULL : json_pack("{s:s, s:O}", "schema", schema_name, "rows", array);
-    pl_status status = file == NULL ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
-                                    : pl_results_write_json(path, file, error);
+    json_t *file = json_pack("{s:s, s:o}", "schema", schema_name, "rows", array);
+    const pl_status status = pl_results_write_json(path, file, error);
     json_decref(file);
-    json_decref(array);
     return status;
 }

@@ -2,7 +2,7 @@
  * JUnit's XML, and plumb.gate/1. */
 #include "gate_verdict.h"
 
-#include "base/array.h"
+#include "base/heap.h"
 #include "base/json_write.h"
 #include "results/result.h"
 
@@ -15,13 +15,8 @@ enum { PLACE_SIZE = 512, WORDS_SIZE = 1024 };
 pl_gate_entry *pl_gate_verdict_add(pl_gate_verdict *verdict, bool is_failure,
                                    const pl_gate_row *row, const char *metric)
 {
-    static _Thread_local pl_gate_entry lost;
     const pl_gate_entry entry = {.is_failure = is_failure, .row = row, .metric = metric};
-    if (pl_array_push(&verdict->items, &verdict->count, &entry, sizeof entry, NULL) != PL_OK) {
-        verdict->failed = true;
-        lost = entry;
-        return &lost;
-    }
+    pl_push(&verdict->items, &verdict->count, &entry, sizeof entry);
     verdict->failures += is_failure;
     verdict->notices += !is_failure;
     return &verdict->items[verdict->count - 1];
@@ -48,10 +43,8 @@ void pl_gate_verdict_order(pl_gate_verdict *verdict)
     for (int part = 0; part < 3; ++part) {
         for (int i = 0; i < verdict->count; ++i) {
             const pl_gate_entry *entry = &verdict->items[i];
-            if (!entry->is_failure + (entry->row_count > 0) == part &&
-                pl_array_push(&ordered.items, &ordered.count, entry, sizeof *entry, NULL) !=
-                    PL_OK) {
-                verdict->failed = true;
+            if (!entry->is_failure + (entry->row_count > 0) == part) {
+                pl_push(&ordered.items, &ordered.count, entry, sizeof *entry);
             }
         }
     }

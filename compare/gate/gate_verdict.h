@@ -24,11 +24,9 @@ typedef struct pl_gate_verdict {
     int count;
     int failures, notices;
     int comparisons; /* values compared with a baseline or a rule */
-    bool failed;     /* out of memory: look once, at the end */
 } pl_gate_verdict;
 
-/* Adds an entry to fill in, valid until the next one is added. Out of memory, the entry is a dummy
- * that is not kept. */
+/* Adds an entry to fill in, valid until the next one is added. */
 pl_gate_entry *pl_gate_verdict_add(pl_gate_verdict *verdict, bool is_failure,
                                    const pl_gate_row *row, const char *metric);
 

@@ -48,27 +48,31 @@ static void judge_others(const pl_gate_inputs *in, const pl_gate_row *row, const
     }
     bool gained = json_is_null(before) && json_is_number(now);
     pl_gate_entry *entry = pl_gate_verdict_add(verdict, !gained, row, metric);
-    const char *reason = pl_json_get_text(row->reasons, metric);
+    const char *reason = pl_gate_row_metric(row, metric).reason;
     char old_text[96], new_text[96];
     value_text(before, old_text);
     value_text(now, new_text);
     describe(entry, old_text, new_text, gained ? "" : "the same",
-             gained                                ? "has a value now"
-             : now == NULL                         ? "the metric is gone"
-             : json_is_null(now) && reason[0] != 0 ? reason
-                                                   : "changed");
+             gained                                                     ? "has a value now"
+             : now == NULL                                              ? "the metric is gone"
+             : json_is_null(now) && reason != NULL && reason[0] != '\0' ? reason
+                                                                        : "changed");
+}
+
+/* Whether a number that every repeat should have differs between them. */
+static bool is_spread(const pl_metric_summary *summary)
+{
+    return summary->state == PL_METRIC_VALUE && summary->is_deterministic &&
+           summary->min != summary->max;
 }
 
 /* Where repeats differ, returns the value that is farthest on the wrong side of `before`. */
-static double worst_of(const pl_gate_row *row, const char *metric, pl_direction direction,
-                       double before, double now)
+static double worst_of(const pl_metric_summary *summary, pl_direction direction, double before)
 {
-    const json_t *range = json_object_get(row->spread, metric);
-    if (range == NULL) {
-        return now;
+    if (!is_spread(summary)) {
+        return summary->value;
     }
-    double least = json_number_value(json_array_get(range, 0));
-    double largest = json_number_value(json_array_get(range, 1));
+    const double least = summary->min, largest = summary->max;
     if (direction == PL_NO_DIRECTION) {
         return fabs(least - before) > fabs(largest - before) ? least : largest;
     }
@@ -89,7 +93,7 @@ static void describe_change(double before, double now, const char *word, pl_gate
 }
 
 static void judge_number(const pl_gate_inputs *in, const pl_gate_row *row, const char *metric,
-                         double before, double median, pl_gate_verdict *verdict)
+                         double before, pl_gate_verdict *verdict)
 {
     static const pl_gate_tolerance unknown = {.relative = 1e-6, .absolute = 1e-9};
     int id = pl_metric_by_name(metric);
@@ -97,9 +101,10 @@ static void judge_number(const pl_gate_inputs *in, const pl_gate_row *row, const
     double dt = json_number_value(json_object_get(row->json, "dt"));
     double allowed =
         pl_gate_tolerance_at(id < 0 ? &unknown : &in->tolerances->of[id], id, before, dt);
-    double now = worst_of(row, metric, direction, before, median);
+    const pl_metric_summary summary = pl_gate_row_metric(row, metric);
+    const double now = worst_of(&summary, direction, before);
     ++verdict->comparisons;
-    if (json_object_get(row->spread, metric) != NULL) {
+    if (is_spread(&summary)) {
         pl_gate_verdict_note(verdict, metric, "repeats differ, and the worst of them counts");
     }
     if (fabs(now - before) <= allowed) {
@@ -133,11 +138,10 @@ static void judge_metrics(const pl_gate_inputs *in, const pl_gate_row *before,
         if (id >= 0 && in->tolerances->of[id].off) {
             continue;
         }
-        if (found == NULL && json_object_get(now->measured, metric) != NULL) {
+        if (found == NULL && pl_gate_row_metric(now, metric).state != PL_METRIC_ABSENT) {
             pl_gate_verdict_note(verdict, metric, "is compared only with --tolerance");
         } else if (json_is_number(value) && json_is_number(found)) {
-            judge_number(in, now, metric, json_number_value(value), json_number_value(found),
-                         verdict);
+            judge_number(in, now, metric, json_number_value(value), verdict);
         } else {
             judge_others(in, now, metric, value, found, verdict);
         }
@@ -200,62 +204,40 @@ static void judge_trend(const pl_gate_row *row, int cost, const json_t *kept,
              100 * growth, 100 * noise);
 }
 
-static pl_status judge_cost(const pl_gate_inputs *in, const pl_gate_row *before,
-                            const pl_gate_row *now, int cost, pl_gate_verdict *verdict,
-                            pl_error *error)
+static void judge_cost(const pl_gate_inputs *in, const pl_gate_row *before, const pl_gate_row *now,
+                       int cost, pl_gate_verdict *verdict)
 {
     const char *metric = pl_metric_table[cost].name;
     const json_t *kept = json_object_get(before->json, pl_metric_table[cost].ratio);
     const pl_gate_rule *rule = rule_of(in, now, cost);
     if (kept == NULL || (!pl_metric_is(cost, PL_TRAIT_GATED) && rule == NULL)) {
-        return PL_OK;
+        return;
     }
     const char *kept_reference = pl_json_get_text(kept, "reference");
     if (in->reference != NULL && strcmp(in->reference, kept_reference) != 0) {
         pl_gate_verdict_note(verdict, metric, "not compared: the baseline has another reference");
-        return PL_OK;
+        return;
     }
-    const pl_gate_row *reference = pl_gate_reference_of(in->now, now, kept_reference);
+    const pl_result_cell *reference = pl_gate_reference_of(in->now, now, kept_reference);
     pl_gate_ratio ratio = {0};
-    pl_status status =
-        reference == NULL ? PL_OK : pl_gate_ratio_measure(now, reference, metric, &ratio, error);
-    if (status != PL_OK) {
-        return status;
+    if (reference != NULL) {
+        ratio = pl_gate_ratio_measure(now->cell, reference, metric);
     }
     if (ratio.repeats == 0) {
         pl_gate_verdict_note(verdict, metric,
                              "not compared: no run of the reference engine on the same case");
-        return PL_OK;
+        return;
     }
     double limit = rule != NULL                      ? rule->value
                    : cost == PL_METRIC_TIME_PER_STEP ? in->tolerances->time
                                                      : in->tolerances->instructions;
     judge_trend(now, cost, kept, &ratio, limit, verdict);
-    return PL_OK;
-}
-
-static pl_status judge_costs(const pl_gate_inputs *in, const pl_gate_row *before,
-                             const pl_gate_row *now, pl_gate_verdict *verdict, pl_error *error)
-{
-    pl_status status = PL_OK;
-    for (int cost = 0; cost < PL_METRIC_COUNT && status == PL_OK; ++cost) {
-        if (pl_metric_table[cost].ratio != NULL) {
-            status = judge_cost(in, before, now, cost, verdict, error);
-        }
-    }
-    return status;
 }
 
 /* ---- Rules ---- */
 
 /* A rule that judges nothing fails: otherwise a misspelt name, or a run that is missing, would let
  * everything pass. */
-
-static const json_t *value_in(const pl_gate_row *row, const char *metric)
-{
-    const json_t *value = json_object_get(row->metrics, metric);
-    return value != NULL ? value : json_object_get(row->measured, metric);
-}
 
 /* Adds the failure of a rule. */
 static pl_gate_entry *add_rule_failure(const pl_gate_rule *rule, const pl_gate_row *row,
@@ -284,15 +266,15 @@ static void judge_text(const pl_gate_rule *rule, const pl_gate_row *row, const c
 
 /* Judges a row without a value. A run that is not ok may lack the value that the rule is about, and
  * fails. Returns false where the metric does not apply. */
-static bool judge_no_value(const pl_gate_rule *rule, const pl_gate_row *row, const json_t *value,
-                           pl_gate_verdict *verdict)
+static bool judge_no_value(const pl_gate_rule *rule, const pl_gate_row *row,
+                           const pl_metric_summary *found, pl_gate_verdict *verdict)
 {
-    bool is_ok = pl_gate_row_is_ok(row);
-    if (value == NULL && is_ok) {
+    const bool is_ok = pl_gate_row_is_ok(row);
+    if (found->state == PL_METRIC_ABSENT && is_ok) {
         return false;
     }
     pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
-    const char *reason = pl_json_get_text(row->reasons, rule->metric);
+    const char *reason = found->reason == NULL ? "" : found->reason;
     snprintf(entry->after, sizeof entry->after, "no value");
     snprintf(entry->what, sizeof entry->what, "%.120s%s%.120s", is_ok ? reason : row->outcome,
              row->reason[0] == '\0' ? "" : ": ", row->reason);
@@ -301,19 +283,19 @@ static bool judge_no_value(const pl_gate_rule *rule, const pl_gate_row *row, con
 }
 
 /* The rule fails the row where it holds of any repeat. */
-static void judge_absolute(const pl_gate_rule *rule, const pl_gate_row *row, double now,
-                           pl_gate_verdict *verdict)
+static void judge_absolute(const pl_gate_rule *rule, const pl_gate_row *row,
+                           const pl_metric_summary *found, pl_gate_verdict *verdict)
 {
-    const json_t *range = json_object_get(row->spread, rule->metric);
-    bool holds = pl_gate_rule_holds(rule, now);
-    for (size_t i = 0; i < json_array_size(range) && !holds; ++i) {
-        now = json_number_value(json_array_get(range, i));
-        holds = pl_gate_rule_holds(rule, now);
+    const double numbers[] = {found->value, found->min, found->max};
+    const int count = is_spread(found) ? 3 : 1;
+    int i = 0;
+    while (i < count && !pl_gate_rule_holds(rule, numbers[i])) {
+        ++i;
     }
     ++verdict->comparisons;
-    if (holds) {
+    if (i < count) {
         pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
-        pl_gate_entry_numbers(entry, now, now,
+        pl_gate_entry_numbers(entry, numbers[i], numbers[i],
                               pl_metric_table_unit(pl_metric_by_name(rule->metric)));
         entry->before[0] = '\0';
     }
@@ -342,93 +324,84 @@ static bool judge_relative(const pl_gate_inputs *in, const pl_gate_rule *rule,
 static bool judge_value(const pl_gate_inputs *in, const pl_gate_rule *rule, const pl_gate_row *row,
                         pl_gate_verdict *verdict)
 {
-    const json_t *value = value_in(row, rule->metric);
-    if (!json_is_number(value)) {
-        return judge_no_value(rule, row, value, verdict);
+    const pl_metric_summary found = pl_gate_row_metric(row, rule->metric);
+    if (found.state != PL_METRIC_VALUE) {
+        return judge_no_value(rule, row, &found, verdict);
     }
     if (rule->is_relative) {
-        return judge_relative(in, rule, row, json_number_value(value), verdict);
+        return judge_relative(in, rule, row, found.value, verdict);
     }
-    judge_absolute(rule, row, json_number_value(value), verdict);
+    judge_absolute(rule, row, &found, verdict);
     return true;
 }
 
-/* Judges a ratio by an absolute rule. */
-static pl_status judge_ratio(const pl_gate_inputs *in, const pl_gate_rule *rule,
-                             const pl_gate_row *row, bool *judged, pl_gate_verdict *verdict,
-                             pl_error *error)
+/* Judges a ratio by an absolute rule. False: there is none. */
+static bool judge_ratio(const pl_gate_inputs *in, const pl_gate_rule *rule, const pl_gate_row *row,
+                        pl_gate_verdict *verdict)
 {
-    const pl_gate_row *reference = pl_gate_reference_of(in->now, row, in->reference);
+    const pl_result_cell *reference = pl_gate_reference_of(in->now, row, in->reference);
     pl_gate_ratio ratio = {0};
     if (reference != NULL) {
-        const char *metric = pl_metric_table[pl_gate_cost_of(rule->metric)].name;
-        pl_status status = pl_gate_ratio_measure(row, reference, metric, &ratio, error);
-        if (status != PL_OK) {
-            return status;
-        }
+        ratio = pl_gate_ratio_measure(row->cell, reference,
+                                      pl_metric_table[pl_gate_cost_of(rule->metric)].name);
     }
-    *judged = ratio.repeats > 0;
-    verdict->comparisons += *judged;
-    if (*judged && pl_gate_rule_holds(rule, ratio.value)) {
+    verdict->comparisons += ratio.repeats > 0;
+    if (ratio.repeats > 0 && pl_gate_rule_holds(rule, ratio.value)) {
         pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
         snprintf(entry->after, sizeof entry->after, "%.4g times %.60s's", ratio.value,
-                 reference->label);
+                 pl_gate_label_of(in->now, reference));
     }
-    return PL_OK;
+    return ratio.repeats > 0;
 }
 
-static pl_status judge_by_rule(const pl_gate_inputs *in, const pl_gate_rule *rule,
-                               const pl_gate_row *row, bool *judged, pl_gate_verdict *verdict,
-                               pl_error *error)
+/* Returns whether the rule judged the row. */
+static bool judge_by_rule(const pl_gate_inputs *in, const pl_gate_rule *rule,
+                          const pl_gate_row *row, pl_gate_verdict *verdict)
 {
-    int cost = pl_gate_cost_of(rule->metric);
-    *judged = true;
+    const int cost = pl_gate_cost_of(rule->metric);
     if (pl_gate_rule_is_cost(rule)) {
-        /* judge_costs judged it; this only finds out whether the baseline had a ratio. */
+        /* judge_cost judged it; this only finds out whether the baseline had a ratio. */
         const pl_gate_row *before =
             in->before == NULL ? NULL : pl_gate_rows_find(in->before, row->key);
-        *judged =
-            before != NULL && json_object_get(before->json, pl_metric_table[cost].ratio) != NULL;
-    } else if (strcmp(rule->metric, "outcome") == 0) {
+        return before != NULL && json_object_get(before->json, pl_metric_table[cost].ratio) != NULL;
+    }
+    if (cost >= 0 && strcmp(rule->metric, pl_metric_table[cost].ratio) == 0) {
+        return judge_ratio(in, rule, row, verdict);
+    }
+    if (strcmp(rule->metric, "outcome") == 0) {
         judge_text(rule, row, row->outcome, row->reason, verdict);
     } else if (strcmp(rule->metric, "verdict") == 0) {
         judge_text(rule, row, pl_verdict_name(row->verdict), row->verdict_reason, verdict);
-    } else if (cost >= 0 && strcmp(rule->metric, pl_metric_table[cost].ratio) == 0) {
-        return judge_ratio(in, rule, row, judged, verdict, error);
     } else if (rule->is_text) {
-        const json_t *value = value_in(row, rule->metric);
-        *judged = json_is_string(value);
-        if (*judged) {
-            judge_text(rule, row, json_string_value(value), row->reason, verdict);
+        const pl_metric_summary found = pl_gate_row_metric(row, rule->metric);
+        if (found.state != PL_METRIC_TEXT) {
+            return false;
         }
+        judge_text(rule, row, found.text, row->reason, verdict);
     } else {
-        *judged = judge_value(in, rule, row, verdict);
+        return judge_value(in, rule, row, verdict);
     }
-    return PL_OK;
+    return true;
 }
 
-static pl_status judge_rules(const pl_gate_inputs *in, pl_gate_verdict *verdict, pl_error *error)
+static void judge_rules(const pl_gate_inputs *in, pl_gate_verdict *verdict)
 {
-    pl_status status = PL_OK;
     for (int i = 0; i < in->rule_count; ++i) {
         const pl_gate_rule *rule = &in->rules[i];
-        int selected = 0, judged_rows = 0;
-        for (int k = 0; k < in->now->count && status == PL_OK; ++k) {
-            bool judged = false;
+        int selected = 0, judged = 0;
+        for (int k = 0; k < in->now->count; ++k) {
             if (pl_gate_rule_selects(rule, &in->now->items[k])) {
                 ++selected;
-                status = judge_by_rule(in, rule, &in->now->items[k], &judged, verdict, error);
+                judged += judge_by_rule(in, rule, &in->now->items[k], verdict);
             }
-            judged_rows += judged;
         }
-        if (status == PL_OK && judged_rows == 0) {
+        if (judged == 0) {
             pl_gate_entry *entry = add_rule_failure(rule, NULL, verdict);
             snprintf(entry->what, sizeof entry->what, "the rule judges nothing: %s",
                      selected == 0 ? "no row is of that scenario and engine"
                                    : "no row that it is of has the value");
         }
     }
-    return status;
 }
 
 /* ---- Runs ---- */
@@ -473,8 +446,8 @@ static void judge_verdict(const pl_gate_row *before, const pl_gate_row *now,
              is_better ? "better: --update-baseline tightens the baseline" : now->verdict_reason);
 }
 
-static pl_status judge_row(const pl_gate_inputs *in, const pl_gate_row *before,
-                           const pl_gate_row *now, pl_gate_verdict *verdict, pl_error *error)
+static void judge_row(const pl_gate_inputs *in, const pl_gate_row *before, const pl_gate_row *now,
+                      pl_gate_verdict *verdict)
 {
     const char *hash = json_string_value(json_object_get(before->json, "scene_hash"));
     const char *new_hash = json_string_value(json_object_get(now->json, "scene_hash"));
@@ -483,24 +456,25 @@ static pl_status judge_row(const pl_gate_inputs *in, const pl_gate_row *before,
                  "the scene is another one");
     }
     if (!judge_outcome(before, now, verdict)) {
-        return PL_OK;
+        return;
     }
     judge_verdict(before, now, verdict);
     judge_metrics(in, before, now, verdict);
-    return judge_costs(in, before, now, verdict, error);
+    for (int cost = 0; cost < PL_METRIC_COUNT; ++cost) {
+        judge_cost(in, before, now, cost, verdict);
+    }
 }
 
-static pl_status judge_baseline(const pl_gate_inputs *in, pl_gate_verdict *verdict, pl_error *error)
+static void judge_baseline(const pl_gate_inputs *in, pl_gate_verdict *verdict)
 {
-    pl_status status = PL_OK;
-    for (int i = 0; i < in->before->count && status == PL_OK; ++i) {
+    for (int i = 0; i < in->before->count; ++i) {
         const pl_gate_row *before = &in->before->items[i];
         const pl_gate_row *now = pl_gate_rows_find(in->now, before->key);
         if (now == NULL) {
             describe(pl_gate_verdict_add(verdict, true, before, "outcome"), before->outcome,
                      "missing", "every run of the baseline", "the results have no such run");
         } else {
-            status = judge_row(in, before, now, verdict, error);
+            judge_row(in, before, now, verdict);
         }
     }
     for (int i = 0; i < in->now->count; ++i) {
@@ -510,17 +484,14 @@ static pl_status judge_baseline(const pl_gate_inputs *in, pl_gate_verdict *verdi
                      "not in the baseline: --update-baseline takes it in");
         }
     }
-    return status;
 }
 
-pl_status pl_gate_judge(const pl_gate_inputs *in, pl_gate_verdict *verdict, pl_error *error)
+void pl_gate_judge(const pl_gate_inputs *in, pl_gate_verdict *verdict)
 {
     *verdict = (pl_gate_verdict){.before = in->before, .now = in->now};
-    pl_status status = in->before == NULL ? PL_OK : judge_baseline(in, verdict, error);
-    if (status == PL_OK) {
-        status = judge_rules(in, verdict, error);
+    if (in->before != NULL) {
+        judge_baseline(in, verdict);
     }
+    judge_rules(in, verdict);
     pl_gate_verdict_order(verdict);
-    return status == PL_OK && verdict->failed ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                                              : status;
 }

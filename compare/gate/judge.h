@@ -15,8 +15,7 @@ typedef struct pl_gate_inputs {
     const char *reference; /* the engine that times are compared with; NULL: that of the baseline */
 } pl_gate_inputs;
 
-/* Fills *verdict, which borrows from the rows and rules, and which the caller frees, also on
- * failure. PL_NO_MEMORY. */
-pl_status pl_gate_judge(const pl_gate_inputs *in, pl_gate_verdict *verdict, pl_error *error);
+/* Fills *verdict, which borrows from the rows and rules, and which the caller frees. */
+void pl_gate_judge(const pl_gate_inputs *in, pl_gate_verdict *verdict);
 
 #endif

@@ -7,6 +7,7 @@
  * five repeats just reach. */
 #include "ratio.h"
 
+#include "base/heap.h"
 #include "base/statistics.h"
 
 #include <math.h>
@@ -27,19 +28,31 @@ int pl_gate_cost_of(const char *name)
     return -1;
 }
 
-const pl_gate_row *pl_gate_reference_of(const pl_gate_rows *rows, const pl_gate_row *row,
-                                        const char *label)
+const char *pl_gate_label_of(const pl_gate_rows *rows, const pl_result_cell *cell)
 {
-    static const char *const defaults[] = {"bullet:si", "ode:quick"};
-    const pl_gate_row *reference = NULL;
-    if (label != NULL) {
-        reference = pl_gate_rows_same_case(rows, row, label);
+    return rows->results->configurations[cell->configuration].label;
+}
+
+static const pl_result_cell *find_cell(const pl_gate_rows *rows, const pl_gate_row *row,
+                                       const char *label)
+{
+    const pl_result_case *test_case = &rows->results->cases[row->cell->test_case];
+    for (int i = 0; i < test_case->count; ++i) {
+        if (strcmp(pl_gate_label_of(rows, &test_case->cells[i]), label) == 0) {
+            return &test_case->cells[i];
+        }
     }
-    for (size_t i = 0;
-         label == NULL && reference == NULL && i < sizeof defaults / sizeof defaults[0]; ++i) {
-        reference = pl_gate_rows_same_case(rows, row, defaults[i]);
+    return NULL;
+}
+
+const pl_result_cell *pl_gate_reference_of(const pl_gate_rows *rows, const pl_gate_row *row,
+                                           const char *label)
+{
+    const pl_result_cell *reference = find_cell(rows, row, label != NULL ? label : "bullet:si");
+    if (label == NULL && reference == NULL) {
+        reference = find_cell(rows, row, "ode:quick");
     }
-    return reference == row ? NULL : reference;
+    return reference == row->cell ? NULL : reference;
 }
 
 /* Returns the largest k for which the k-th values from both ends, from 1, bound the median. */
@@ -69,69 +82,48 @@ static pl_gate_ratio summarise(double *values, int count)
         .repeats = count, .value = median, .low = values[rank - 1], .high = values[count - rank]};
 }
 
-/* Returns NAN where there is no number. */
-static double number_in(const pl_gate_sample *sample, const char *metric)
-{
-    const json_t *value = json_object_get(json_object_get(sample->metrics, metric), "value");
-    return json_is_number(value) ? json_number_value(value) : (double)NAN;
-}
-
-pl_status pl_gate_ratio_measure(const pl_gate_row *row, const pl_gate_row *reference,
-                                const char *metric, pl_gate_ratio *ratio, pl_error *error)
+pl_gate_ratio pl_gate_ratio_measure(const pl_result_cell *cell, const pl_result_cell *reference,
+                                    const char *metric)
 {
     int count = 0;
-    double *values = calloc((size_t)row->sample_count + 1, sizeof *values);
-    if (values == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d repeats", row->sample_count);
-    }
-    for (int i = 0; i < row->sample_count; ++i) {
-        const pl_gate_sample *ours = &row->samples[i];
-        for (int k = 0; k < reference->sample_count; ++k) {
-            const pl_gate_sample *theirs = &reference->samples[k];
-            double value = number_in(ours, metric) / number_in(theirs, metric);
-            if (ours->file == theirs->file && ours->repeat == theirs->repeat && isfinite(value) &&
+    double *values = pl_heap_new((size_t)cell->count, sizeof *values);
+    for (int i = 0; i < cell->count; ++i) {
+        const pl_result_row *own = &cell->rows[i];
+        for (int k = 0; k < reference->count; ++k) {
+            const pl_result_row *other = &reference->rows[k];
+            const double value =
+                pl_result_metric(own->result, metric) / pl_result_metric(other->result, metric);
+            if (own->file == other->file && own->repeat == other->repeat && isfinite(value) &&
                 value > 0) {
                 values[count++] = value;
                 break;
             }
         }
     }
-    *ratio = summarise(values, count);
+    const pl_gate_ratio ratio = summarise(values, count);
     free(values);
-    return PL_OK;
+    return ratio;
 }
 
-static pl_status add_ratio(const pl_gate_row *row, const pl_gate_row *reference, int cost,
-                           pl_error *error)
+void pl_gate_ratios_add(pl_gate_rows *rows, const char *label)
 {
-    pl_gate_ratio ratio = {0};
-    pl_status status =
-        pl_gate_ratio_measure(row, reference, pl_metric_table[cost].name, &ratio, error);
-    if (status != PL_OK || ratio.repeats == 0) {
-        return status;
-    }
-    json_t *json =
-        json_pack("{s:s, s:f, s:f, s:f, s:i}", "reference", reference->label, "value", ratio.value,
-                  "low", ratio.low, "high", ratio.high, "repeats", ratio.repeats);
-    return json_object_set_new(row->json, pl_metric_table[cost].ratio, json) == 0
-               ? PL_OK
-               : pl_fail(error, PL_NO_MEMORY, "out of memory for a ratio");
-}
-
-pl_status pl_gate_ratios_add(pl_gate_rows *rows, const char *label, pl_error *error)
-{
-    pl_status status = PL_OK;
     for (int i = 0; i < rows->count; ++i) {
         const pl_gate_row *row = &rows->items[i];
-        const pl_gate_row *reference = pl_gate_reference_of(rows, row, label);
-        bool has_costs = reference != NULL && pl_gate_row_is_ok(row);
-        for (int cost = 0; has_costs && status == PL_OK && cost < PL_METRIC_COUNT; ++cost) {
-            if (pl_metric_table[cost].ratio != NULL) {
-                status = add_ratio(row, reference, cost, error);
+        const pl_result_cell *reference = pl_gate_reference_of(rows, row, label);
+        for (int c = 0; reference != NULL && pl_gate_row_is_ok(row) && c < PL_METRIC_COUNT; ++c) {
+            const pl_gate_ratio ratio =
+                pl_metric_table[c].ratio == NULL
+                    ? (pl_gate_ratio){.repeats = 0}
+                    : pl_gate_ratio_measure(row->cell, reference, pl_metric_table[c].name);
+            if (ratio.repeats > 0) {
+                json_object_set_new(row->json, pl_metric_table[c].ratio,
+                                    json_pack("{s:s, s:f, s:f, s:f, s:i}", "reference",
+                                              pl_gate_label_of(rows, reference), "value",
+                                              ratio.value, "low", ratio.low, "high", ratio.high,
+                                              "repeats", ratio.repeats));
             }
         }
     }
-    return status;
 }
 
 pl_gate_ratio pl_gate_ratio_of_json(const json_t *json)

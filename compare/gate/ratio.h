@@ -18,18 +18,21 @@ typedef struct pl_gate_ratio {
 /* Returns the pl_metric_id of the cost whose metric or ratio has that name; -1: none. */
 int pl_gate_cost_of(const char *name);
 
-/* Returns the row of the reference engine on the case of `row`: the engine `label`, or where that
- * is NULL, the first of bullet:si and ode:quick that was run. NULL: none, or `row` itself. */
-const pl_gate_row *pl_gate_reference_of(const pl_gate_rows *rows, const pl_gate_row *row,
-                                        const char *label);
+/* Returns the cell of the reference engine on the case of `row`, a row of results: of the engine `label`, or where
+ * that is NULL, of the first of bullet:si and ode:quick that was run. NULL: none, or that of `row` itself. */
+const pl_result_cell *pl_gate_reference_of(const pl_gate_rows *rows, const pl_gate_row *row,
+                                           const char *label);
 
-/* Computes the ratio of a metric of two rows of one case: each repeat of `row` over the same repeat
- * of `reference` in the same file. PL_NO_MEMORY. */
-pl_status pl_gate_ratio_measure(const pl_gate_row *row, const pl_gate_row *reference,
-                                const char *metric, pl_gate_ratio *ratio, pl_error *error);
+/* The label of a cell's engine. */
+const char *pl_gate_label_of(const pl_gate_rows *rows, const pl_result_cell *cell);
 
-/* Adds the ratios of all rows to their objects, as a baseline keeps them. PL_NO_MEMORY. */
-pl_status pl_gate_ratios_add(pl_gate_rows *rows, const char *label, pl_error *error);
+/* The ratio of a metric of two cells of one case: each repeat of `cell` over the same repeat of `reference` in the
+ * same file. */
+pl_gate_ratio pl_gate_ratio_measure(const pl_result_cell *cell, const pl_result_cell *reference,
+                                    const char *metric);
+
+/* Adds the ratios of all rows to their objects, as a baseline keeps them. */
+void pl_gate_ratios_add(pl_gate_rows *rows, const char *label);
 
 /* Reads such an object, {reference, value, low, high, repeats}; 0 repeats where it is none. */
 pl_gate_ratio pl_gate_ratio_of_json(const json_t *json);

@@ -1,16 +1,18 @@
 #include "adapter_trust.h"
 
+#include "base/heap.h"
+
 #include "results/result.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- What the results of a column say ---- */
+/* ---- What the results of a configuration say ---- */
 
 typedef enum trust_state { NOT_VERIFIED, PASSED, FAILED } trust_state;
 
-/* Of a column. Texts are borrowed from its results. */
+/* Of a configuration. Texts are borrowed from its results. */
 typedef struct trust {
     trust_state state;
     int checks, failed;
@@ -52,20 +54,22 @@ static void add_record(const json_t *record, trust *t, bool is_first)
     }
 }
 
-static trust trust_of(const pl_result_matrix *matrix, int column)
+static trust trust_of(const pl_result_table *results, int configuration)
 {
     trust t = {.plumb = "", .spec = ""};
     bool is_first = true;
-    for (int i = 0; i < matrix->case_count; ++i) {
-        const json_t *result = matrix->cases[i].cells[column].result;
-        if (result == NULL) {
+    for (int i = 0; i < results->case_count; ++i) {
+        const pl_result_cell *cell = pl_result_case_cell(&results->cases[i], configuration);
+        if (cell == NULL) {
             continue;
         }
+        const json_t *result = cell->worst->result;
         add_record(json_object_get(result, "conformance"), &t, is_first);
         t.read_back |= read_back_of(result);
         if (is_first) {
             t.spec = pl_json_get_text(result, "engine_spec");
-            snprintf(t.profile, sizeof t.profile, "%.70s:%.70s", matrix->columns[column].engine,
+            snprintf(t.profile, sizeof t.profile, "%.70s:%.70s",
+                     results->configurations[configuration].engine,
                      pl_json_get_text(result, "profile"));
         }
         is_first = false;
@@ -79,10 +83,10 @@ static void add_spec(const trust *t, pl_text_buffer *out)
     pl_text_add_shell(out, t->spec[0] != '\0' ? t->spec : t->profile);
 }
 
-void pl_conformance_text(const pl_result_matrix *matrix, int column, pl_text_buffer *out)
+void pl_conformance_text(const pl_result_table *results, int configuration, pl_text_buffer *out)
 {
-    const trust t = trust_of(matrix, column);
-    const bool is_profile = strcmp(matrix->columns[column].label, t.profile) == 0;
+    const trust t = trust_of(results, configuration);
+    const bool is_profile = strcmp(results->configurations[configuration].label, t.profile) == 0;
     if (t.state == NOT_VERIFIED) {
         pl_text_add(out, "not verified: run plumb check-engine ");
         add_spec(&t, out);
@@ -123,39 +127,39 @@ static bool is_as_verified(const trust *a, const trust *b)
            strcmp(a->plumb, b->plumb) == 0;
 }
 
-/* The columns of a statement. */
-typedef struct trusted_columns {
-    const pl_result_matrix *matrix;
-    const bool *listed; /* (column_count) */
-    const trust *items; /* (column_count) */
-} trusted_columns;
+/* The configurations of a statement. */
+typedef struct trusted {
+    const pl_result_table *results;
+    const bool *listed; /* (configuration_count) */
+    const trust *items; /* (configuration_count) */
+} trusted;
 
-/* Adds the names of the listed columns from `first` on that are like it; "" when an earlier one is,
+/* Adds the names of the listed configurations from `first` on that are like it; "" when an earlier one is,
  * which then was named with it. */
-static bool add_names(const trusted_columns *of, int first,
-                      bool (*is_like)(const trust *a, const trust *b), pl_text_buffer *out)
+static bool add_names(const trusted *of, int first, bool (*is_like)(const trust *a, const trust *b),
+                      pl_text_buffer *out)
 {
     for (int i = 0; i < first; ++i) {
         if (of->listed[i] && is_like(&of->items[i], &of->items[first])) {
             return false;
         }
     }
-    for (int i = first; i < of->matrix->column_count; ++i) {
+    for (int i = first; i < of->results->configuration_count; ++i) {
         if (of->listed[i] && is_like(&of->items[i], &of->items[first])) {
-            const pl_column *column = &of->matrix->columns[i];
+            const pl_result_configuration *configuration = &of->results->configurations[i];
             const char *before = i > first ? ", " : out->length > 0 ? " " : "";
-            pl_text_format(out, "%s%s %s", before, column->name, column->version);
+            pl_text_format(out, "%s%s %s", before, configuration->name, configuration->version);
         }
     }
     pl_text_add(out, ": ");
     return true;
 }
 
-static void add_read_back(const trusted_columns *of, int column, pl_text_buffer *out)
+static void add_read_back(const trusted *of, int configuration, pl_text_buffer *out)
 {
     const unsigned all = (1u << PL_READ_BACK_COUNT) - 1;
-    const unsigned found = of->items[column].read_back;
-    if (!add_names(of, column, reads_the_same, out)) {
+    const unsigned found = of->items[configuration].read_back;
+    if (!add_names(of, configuration, reads_the_same, out)) {
         return;
     }
     if (found == 0) {
@@ -171,10 +175,10 @@ static void add_read_back(const trusted_columns *of, int column, pl_text_buffer 
     pl_text_add(out, ".");
 }
 
-static void add_verified(const trusted_columns *of, int column, pl_text_buffer *out)
+static void add_verified(const trusted *of, int configuration, pl_text_buffer *out)
 {
-    const trust *t = &of->items[column];
-    if (!add_names(of, column, is_as_verified, out)) {
+    const trust *t = &of->items[configuration];
+    if (!add_names(of, configuration, is_as_verified, out)) {
         return;
     }
     if (t->state == PASSED) {
@@ -188,7 +192,7 @@ static void add_verified(const trusted_columns *of, int column, pl_text_buffer *
         pl_text_add(out, "not verified");
     }
     pl_text_add(out, "; a deviation may be the adapter's: run plumb check-engine");
-    for (int i = column; i < of->matrix->column_count; ++i) {
+    for (int i = configuration; i < of->results->configuration_count; ++i) {
         if (of->listed[i] && is_as_verified(&of->items[i], t)) {
             pl_text_add(out, " ");
             add_spec(&of->items[i], out);
@@ -197,21 +201,17 @@ static void add_verified(const trusted_columns *of, int column, pl_text_buffer *
     pl_text_add(out, ".");
 }
 
-/* Adds a sentence for each group of listed columns that are alike. */
-static void add_sentences(const pl_result_matrix *matrix, const bool *listed,
-                          void (*add)(const trusted_columns *of, int column, pl_text_buffer *out),
+/* Adds a sentence for each group of listed configurations that are alike. */
+static void add_sentences(const pl_result_table *results, const bool *listed,
+                          void (*add)(const trusted *of, int configuration, pl_text_buffer *out),
                           pl_text_buffer *out)
 {
-    trust *items = calloc((size_t)matrix->column_count + 1, sizeof *items);
-    const trusted_columns of = {matrix, listed, items};
-    if (items == NULL) {
-        out->failed = true;
-        return;
+    trust *items = pl_heap_new((size_t)results->configuration_count, sizeof *items);
+    const trusted of = {results, listed, items};
+    for (int i = 0; i < results->configuration_count; ++i) {
+        items[i] = trust_of(results, i);
     }
-    for (int i = 0; i < matrix->column_count; ++i) {
-        items[i] = trust_of(matrix, i);
-    }
-    for (int i = 0; i < matrix->column_count; ++i) {
+    for (int i = 0; i < results->configuration_count; ++i) {
         if (listed[i]) {
             add(&of, i, out);
         }
@@ -219,14 +219,14 @@ static void add_sentences(const pl_result_matrix *matrix, const bool *listed,
     free(items);
 }
 
-void pl_verified_statement(const pl_result_matrix *matrix, const bool *listed, pl_text_buffer *out)
+void pl_verified_statement(const pl_result_table *results, const bool *listed, pl_text_buffer *out)
 {
-    add_sentences(matrix, listed, add_verified, out);
+    add_sentences(results, listed, add_verified, out);
 }
 
-void pl_read_back_statement(const pl_result_matrix *matrix, const bool *listed, pl_text_buffer *out)
+void pl_read_back_statement(const pl_result_table *results, const bool *listed, pl_text_buffer *out)
 {
     pl_text_add(out, "Before the first step of a run, what the engine reads back was compared with "
                      "the scene.");
-    add_sentences(matrix, listed, add_read_back, out);
+    add_sentences(results, listed, add_read_back, out);
 }

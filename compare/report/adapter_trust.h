@@ -3,20 +3,20 @@
 #ifndef PLUMB_ADAPTER_TRUST_H
 #define PLUMB_ADAPTER_TRUST_H
 
-#include "result_matrix.h"
+#include "queries.h"
 
-/* Adds what is known of a column's conformance: "conformance passed (31 checks, plumb 0.9.0)",
+/* Adds what is known of a configuration's conformance: "conformance passed (31 checks, plumb 0.9.0)",
  * "conformance FAILED: 2 of 31 checks", or "not verified: run plumb check-engine SPEC". Checks are
- * made with a profile's default options: where the column's label is not that of the profile alone,
+ * made with a profile's default options: where its label is not that of the profile alone,
  * the text names the profile. */
-void pl_conformance_text(const pl_result_matrix *matrix, int column, pl_text_buffer *out);
+void pl_conformance_text(const pl_result_table *results, int configuration, pl_text_buffer *out);
 
-/* Adds, in words, whether the conformance of the columns that are marked in `listed` (column_count)
+/* Adds, in words, whether the conformance of the configurations that are marked in `listed` (configuration_count)
  * was verified. */
-void pl_verified_statement(const pl_result_matrix *matrix, const bool *listed, pl_text_buffer *out);
+void pl_verified_statement(const pl_result_table *results, const bool *listed, pl_text_buffer *out);
 
 /* Adds, in words, which numbers were read back from their engines, and which were not. */
-void pl_read_back_statement(const pl_result_matrix *matrix, const bool *listed,
+void pl_read_back_statement(const pl_result_table *results, const bool *listed,
                             pl_text_buffer *out);
 
 #endif

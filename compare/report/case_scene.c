@@ -28,33 +28,34 @@ static void add_setting(settings *made, const char *name, const json_t *value)
 
 /* Builds the scene with the parameters of the case, for a file also with the run's step and
  * duration. */
-static pl_status build(const pl_case *test_case, const pl_scenario *scenario, pl_scene *scene,
-                       pl_error *error)
+static pl_status build(const pl_result_case *test_case, const pl_scenario *scenario,
+                       pl_scene *scene, pl_error *error)
 {
     double values[PL_MAX_PARAMS];
     settings made = {.count = 0};
-    const json_t *params = test_case->params;
+    const json_t *params = test_case->row->params;
     for (int i = 0; i < scenario->param_count; ++i) {
         const char *name = scenario->params[i].name;
         const bool is_time = strcmp(name, "dt") == 0 || strcmp(name, "duration") == 0;
         const bool is_run = scenario->file != NULL && is_time;
-        const json_t *from = is_run ? json_object_get(test_case->result, "settings") : params;
+        const json_t *from = is_run ? json_object_get(test_case->row->result, "settings") : params;
         add_setting(&made, name, json_object_get(from, name));
     }
     pl_status status = pl_scenario_values(scenario, made.items, made.count, values, error);
     return status != PL_OK
                ? status
-               : pl_scenario_build(scenario, values, (uint64_t)test_case->seed, scene, error);
+               : pl_scenario_build(scenario, values, (uint64_t)test_case->row->seed, scene, error);
 }
 
-static pl_status build_from_file(const pl_case *test_case, pl_scene *scene, pl_error *error)
+static pl_status build_from_file(const pl_result_case *test_case, pl_scene *scene, pl_error *error)
 {
     struct stat information;
     pl_scenario *scenario = NULL;
-    if (stat(test_case->scenario, &information) != 0 || !S_ISREG(information.st_mode)) {
-        return pl_fail(error, PL_IO, "there is no scene file %.200s here", test_case->scenario);
+    if (stat(test_case->row->scenario, &information) != 0 || !S_ISREG(information.st_mode)) {
+        return pl_fail(error, PL_IO, "there is no scene file %.200s here",
+                       test_case->row->scenario);
     }
-    pl_status status = pl_scenario_open_file(test_case->scenario, &scenario, error);
+    pl_status status = pl_scenario_open_file(test_case->row->scenario, &scenario, error);
     if (status == PL_OK) {
         status = build(test_case, scenario, scene, error);
     }
@@ -62,20 +63,20 @@ static pl_status build_from_file(const pl_case *test_case, pl_scene *scene, pl_e
     return status;
 }
 
-pl_status pl_case_scene_build(const pl_case *test_case, pl_scene *scene, pl_error *error)
+pl_status pl_case_scene_build(const pl_result_case *test_case, pl_scene *scene, pl_error *error)
 {
     *scene = pl_scene_default();
     char hash[17] = "";
-    pl_status status = test_case->catalogue != NULL
-                           ? build(test_case, test_case->catalogue, scene, error)
+    pl_status status = test_case->row->catalogue != NULL
+                           ? build(test_case, test_case->row->catalogue, scene, error)
                            : build_from_file(test_case, scene, error);
     if (status == PL_OK) {
         status = pl_scene_hash(scene, hash, error);
     }
-    if (status == PL_OK && strcmp(hash, test_case->scene_hash) != 0) {
+    if (status == PL_OK && strcmp(hash, test_case->row->scene_hash) != 0) {
         status = pl_fail(error, PL_FAILED,
                          "the scene as it is built today (%s) is not the one that was run (%.40s)",
-                         hash, test_case->scene_hash);
+                         hash, test_case->row->scene_hash);
     }
     return status;
 }

@@ -3,14 +3,14 @@
 #define PLUMB_FINDINGS_H
 
 #include "known_causes.h"
-#include "result_matrix.h"
+#include "queries.h"
 
 /* A run that is not accurate: it is inaccurate or failed, or its primary error has no value. A scene
  * that the engine does not support is no finding. */
 typedef struct pl_engine_finding {
-    const pl_case *test_case;
-    const pl_column *column;
-    const pl_cell *cell;         /* of `column` on the case */
+    const pl_result_case *test_case;
+    const pl_result_configuration *configuration;
+    const pl_result_cell *cell;  /* of the configuration on the case */
     const pl_known_cause *cause; /* NULL: nothing is known of this run */
 } pl_engine_finding;
 
@@ -30,9 +30,9 @@ typedef struct pl_engine_findings {
     pl_known_causes causes;
 } pl_engine_findings;
 
-/* Finds the findings of a matrix, which must outlive *findings. The caller frees *findings, also on
- * failure. PL_NO_MEMORY; PL_BAD_INPUT: the file of known causes is malformed. */
-pl_status pl_engine_findings_find(const pl_result_matrix *matrix, pl_engine_findings *findings,
+/* Finds the findings in results, which must outlive *findings. PL_BAD_INPUT: the file of known causes is
+ * malformed. The caller frees *findings, also on failure. */
+pl_status pl_engine_findings_find(const pl_result_table *results, pl_engine_findings *findings,
                                   pl_error *error);
 
 /* Frees the findings. */

@@ -5,7 +5,8 @@
  * test. */
 #include "losses.h"
 
-#include "number_format.h"
+#include "base/heap.h"
+#include "base/number_format.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -26,12 +27,10 @@ static const double value_floor = 1e-9, relative_noise = 0.1;
  * ended with, as ours at a tolerance of 1e-8 m/s, or rounding. */
 static const double near_rounding_level = 1e-7;
 
-static double floor_of(const pl_case *test_case, int metric)
+static double floor_of(const pl_result_row *row, int metric)
 {
-    const json_t *settings = json_object_get(test_case->result, "settings");
-    const double step = json_number_value(json_object_get(settings, "dt"));
     return fmax(fmax(value_floor, pl_metric_table[metric].noise),
-                pl_metric_is(metric, PL_TRAIT_TO_ONE_STEP) ? step : 0);
+                pl_metric_is(metric, PL_TRAIT_TO_ONE_STEP) ? row->dt : 0);
 }
 
 static bool is_measured(int metric)
@@ -40,108 +39,142 @@ static bool is_measured(int metric)
 }
 
 /* Times and memory of different machines are not compared. */
-static bool comparable(const pl_cell *a, const pl_cell *b, int metric)
+static bool comparable(const pl_result_cell *a, const pl_result_cell *b, int metric)
 {
-    return !is_measured(metric) || (!a->mixed_hosts && !b->mixed_hosts &&
-                                    strcmp(pl_result_text(a->result, "host", "cpu"),
-                                           pl_result_text(b->result, "host", "cpu")) == 0);
+    return !is_measured(metric) ||
+           (!a->hosts_differ && !b->hosts_differ && strcmp(a->worst->cpu, b->worst->cpu) == 0);
 }
 
 /* Whether the value is worse than `best` by more than noise. */
-static bool is_worse(const pl_case *test_case, int metric, double value, double best)
+static bool is_worse(const pl_result_row *row, int metric, double value, double best)
 {
-    double level = fmax(best, floor_of(test_case, metric));
+    double level = fmax(best, floor_of(row, metric));
     return value - best > pl_metric_table[metric].noise &&
            value > (is_measured(metric) ? level * (1 + relative_noise) : level);
 }
 
-/* Returns the column of the other engine's ok run with the least value of the metric; -1: none. */
-static int best_other(const pl_result_matrix *matrix, const pl_case *test_case, const pl_cell *ours,
-                      int metric)
+/* A case, and a metric of its cells. */
+typedef struct comparison {
+    const pl_result_table *results;
+    const pl_result_case *test_case;
+    int metric;
+    pl_metric_summary *summaries; /* (count of cells) */
+} comparison;
+
+static const pl_result_configuration *configuration_of(const comparison *of, int cell)
 {
+    return &of->results->configurations[of->test_case->cells[cell].configuration];
+}
+
+/* Whether the cell is a run of another engine that ended ok. */
+static bool is_good_other(const comparison *of, int cell)
+{
+    return !configuration_of(of, cell)->is_home &&
+           pl_result_cell_is_ok(&of->test_case->cells[cell]);
+}
+
+/* Returns the cell of the other engine's ok run with the least value of the metric; -1: none. */
+static int best_other(const comparison *of, int home)
+{
+    const pl_result_cell *cells = of->test_case->cells;
     int best = -1;
-    for (int i = 0; i < matrix->column_count; ++i) {
-        const pl_cell *cell = &test_case->cells[i];
-        if (matrix->columns[i].ours || cell->result == NULL || !cell->ok ||
-            (is_measured(metric) && matrix->columns[i].runtime != NULL) ||
-            cell->metrics[metric].state != PL_METRIC_VALUE || !comparable(ours, cell, metric)) {
-            continue;
-        }
-        if (best < 0 ||
-            cell->metrics[metric].value < test_case->cells[best].metrics[metric].value) {
+    for (int i = 0; i < of->test_case->count; ++i) {
+        if (is_good_other(of, i) && of->summaries[i].state == PL_METRIC_VALUE &&
+            !(is_measured(of->metric) && configuration_of(of, i)->runtime != NULL) &&
+            comparable(&cells[home], &cells[i], of->metric) &&
+            (best < 0 || of->summaries[i].value < of->summaries[best].value)) {
             best = i;
         }
     }
     return best;
 }
 
-static int first_good_other(const pl_result_matrix *matrix, const pl_case *test_case)
+static int first_good_other(const comparison *of)
 {
-    for (int i = 0; i < matrix->column_count; ++i) {
-        if (!matrix->columns[i].ours && test_case->cells[i].result != NULL &&
-            test_case->cells[i].ok) {
+    for (int i = 0; i < of->test_case->count; ++i) {
+        if (is_good_other(of, i)) {
             return i;
         }
     }
     return -1;
 }
 
-static void compare_metric(const pl_result_matrix *matrix, pl_loss loss, int metric,
-                           pl_losses *losses)
+static void add_loss(const comparison *of, int home, int best, pl_loss loss, pl_losses *losses)
 {
-    const pl_metric_summary *ours = &loss.our_cell->metrics[metric];
-    /* reference_error is the same number. */
-    if (ours->state == PL_METRIC_ABSENT || pl_case_primary_is(loss.test_case, metric)) {
-        return;
-    }
-    int best = best_other(matrix, loss.test_case, loss.our_cell, metric);
-    if (best < 0) {
-        return;
-    }
-    ++losses->comparisons;
-    loss.metric = metric;
-    loss.best = &matrix->columns[best];
-    loss.best_cell = &loss.test_case->cells[best];
-    if (ours->state != PL_METRIC_VALUE) {
-        loss.kind = PL_LOSS_NO_VALUE;
-        losses->items[losses->count++] = loss;
-        return;
-    }
-    double our_value = ours->value;
-    double best_value = loss.best_cell->metrics[metric].value;
-    if (!is_worse(loss.test_case, metric, our_value, best_value)) {
-        return;
-    }
-    loss.kind = PL_LOSS_VALUE;
-    loss.ratio = our_value / fmax(best_value, floor_of(loss.test_case, metric));
-    loss.near_rounding = !is_measured(metric) && our_value < near_rounding_level;
-    losses->items[losses->count++] = loss;
+    loss.test_case = of->test_case;
+    loss.metric = of->metric;
+    loss.home = configuration_of(of, home);
+    loss.home_cell = &of->test_case->cells[home];
+    loss.best = configuration_of(of, best);
+    loss.best_cell = &of->test_case->cells[best];
+    pl_push(&losses->items, &losses->count, &loss, sizeof loss);
 }
 
-/* Compares a run of ours with the others. A failed run is one loss, not one for each metric. */
-static void compare_run(const pl_result_matrix *matrix, pl_loss loss, pl_losses *losses)
+/* Compares a metric of a run that ended ok. */
+static void compare_metric(const comparison *of, int home, pl_losses *losses)
 {
-    int other = first_good_other(matrix, loss.test_case);
-    if (other < 0) {
-        return;
-    }
-    if (loss.our_cell->ok) {
-        for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-            if (pl_metric_is(id, PL_TRAIT_COMPARED)) {
-                compare_metric(matrix, loss, id, losses);
-            }
-        }
-        return;
-    }
-    int best = best_other(matrix, loss.test_case, loss.our_cell, PL_METRIC_REFERENCE_ERROR);
+    const pl_metric_summary *own = &of->summaries[home];
+    const int best = own->state == PL_METRIC_ABSENT ? -1 : best_other(of, home);
     if (best < 0) {
-        best = other;
+        return;
     }
-    loss.kind = PL_LOSS_OUTCOME;
-    loss.best = &matrix->columns[best];
-    loss.best_cell = &loss.test_case->cells[best];
+    const pl_result_row *row = of->test_case->row;
+    const double best_value = of->summaries[best].value;
     ++losses->comparisons;
-    losses->items[losses->count++] = loss;
+    if (own->state != PL_METRIC_VALUE) {
+        add_loss(of, home, best, (pl_loss){.kind = PL_LOSS_NO_VALUE, .ratio = (double)INFINITY},
+                 losses);
+    } else if (is_worse(row, of->metric, own->value, best_value)) {
+        const pl_loss loss = {.kind = PL_LOSS_VALUE,
+                              .ratio = own->value / fmax(best_value, floor_of(row, of->metric)),
+                              .near_rounding =
+                                  !is_measured(of->metric) && own->value < near_rounding_level};
+        add_loss(of, home, best, loss, losses);
+    }
+}
+
+/* Adds a run that failed: one loss, not one for each metric. */
+static void add_failure(const comparison *of, int home, pl_losses *losses)
+{
+    const int best = best_other(of, home);
+    ++losses->comparisons;
+    add_loss(of, home, best < 0 ? first_good_other(of) : best,
+             (pl_loss){.kind = PL_LOSS_OUTCOME, .ratio = (double)INFINITY}, losses);
+}
+
+/* Compares the runs of a case by one metric; failed runs by the primary error. */
+static void compare_by(comparison *of, int metric, pl_losses *losses)
+{
+    const bool is_shown =
+        pl_metric_is(metric, PL_TRAIT_COMPARED) && !pl_case_primary_is(of->test_case, metric);
+    of->metric = metric; /* reference_error is the primary error once more */
+    for (int i = 0; i < of->test_case->count; ++i) {
+        of->summaries[i] = pl_result_cell_metric(&of->test_case->cells[i], metric);
+    }
+    for (int i = 0; i < of->test_case->count; ++i) {
+        const bool is_ok = pl_result_cell_is_ok(&of->test_case->cells[i]);
+        if (configuration_of(of, i)->is_home && is_ok && is_shown) {
+            compare_metric(of, i, losses);
+        } else if (configuration_of(of, i)->is_home && !is_ok &&
+                   metric == PL_METRIC_REFERENCE_ERROR) {
+            add_failure(of, i, losses);
+        }
+    }
+}
+
+static void compare_case(const pl_result_table *results, const pl_result_case *test_case,
+                         pl_losses *losses)
+{
+    comparison of = {.results = results,
+                     .test_case = test_case,
+                     .summaries = pl_heap_new((size_t)test_case->count, sizeof *of.summaries)};
+    const int before = losses->comparisons;
+    const bool has_home = results->configurations[test_case->cells[0].configuration].is_home;
+    for (int id = 0; id < PL_METRIC_COUNT && has_home && first_good_other(&of) >= 0; ++id) {
+        compare_by(&of, id, losses);
+    }
+    losses->cases += losses->comparisons > before;
+    free(of.summaries);
 }
 
 /* What matters most to a user comes first: 0. */
@@ -172,10 +205,10 @@ static int compare_losses(const void *left, const void *right)
     if (a->metric != b->metric) {
         return a->metric < b->metric ? -1 : 1;
     }
-    return (a->ours > b->ours) - (a->ours < b->ours);
+    return (a->home > b->home) - (a->home < b->home);
 }
 
-static void write_statement(const pl_losses *losses, const pl_result_matrix *matrix,
+static void write_statement(const pl_losses *losses, const pl_result_table *results,
                             pl_text_buffer *text)
 {
     if (!losses->others_present) {
@@ -197,9 +230,9 @@ static void write_statement(const pl_losses *losses, const pl_result_matrix *mat
                        losses->count, losses->comparisons);
     }
     pl_text_format(text, ", over %d %s: ", losses->cases, losses->cases == 1 ? "case" : "cases");
-    pl_result_matrix_engines(matrix, true, text);
+    pl_add_engine_names(results, true, text);
     pl_text_add(text, " against the best of ");
-    pl_result_matrix_engines(matrix, false, text);
+    pl_add_engine_names(results, false, text);
     pl_text_add(text, ".");
 }
 
@@ -232,39 +265,21 @@ static void write_rule(pl_text_buffer *text)
         "below 1e-7, near rounding and the tolerances of solvers.");
 }
 
-pl_status pl_losses_find(const pl_result_matrix *matrix, pl_losses *losses, pl_error *error)
+void pl_losses_find(const pl_result_table *results, pl_losses *losses)
 {
     *losses = (pl_losses){0};
-    size_t most = (size_t)matrix->case_count * (size_t)matrix->column_count * PL_METRIC_COUNT;
-    losses->items = calloc(most + 1, sizeof *losses->items);
-    if (losses->items == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "no memory for %zu comparisons", most);
+    for (int i = 0; i < results->configuration_count; ++i) {
+        losses->home_present |= results->configurations[i].is_home;
+        losses->others_present |= !results->configurations[i].is_home;
     }
-    for (int i = 0; i < matrix->column_count; ++i) {
-        losses->ours_present |= matrix->columns[i].ours;
-        losses->others_present |= !matrix->columns[i].ours;
+    for (int i = 0; i < results->case_count; ++i) {
+        compare_case(results, &results->cases[i], losses);
     }
-    for (int b = 0; b < matrix->case_count; ++b) {
-        const pl_case *test_case = &matrix->cases[b];
-        int before = losses->comparisons;
-        for (int i = 0; i < matrix->column_count; ++i) {
-            pl_loss loss = {.test_case = test_case,
-                            .ours = &matrix->columns[i],
-                            .our_cell = &test_case->cells[i],
-                            .ratio = (double)INFINITY};
-            if (matrix->columns[i].ours && test_case->cells[i].result != NULL) {
-                compare_run(matrix, loss, losses);
-            }
-        }
-        losses->cases += losses->comparisons > before;
+    if (losses->count > 0) {
+        qsort(losses->items, (size_t)losses->count, sizeof *losses->items, compare_losses);
     }
-    qsort(losses->items, (size_t)losses->count, sizeof *losses->items, compare_losses);
-    write_statement(losses, matrix, &losses->statement);
+    write_statement(losses, results, &losses->statement);
     write_rule(&losses->rule);
-    if (losses->statement.failed || losses->rule.failed) {
-        return pl_fail(error, PL_NO_MEMORY, "no memory for the statement of losses");
-    }
-    return PL_OK;
 }
 
 void pl_losses_free(pl_losses *losses)
@@ -276,24 +291,25 @@ void pl_losses_free(pl_losses *losses)
 }
 
 void pl_loss_texts(const pl_loss *loss, char metric[PL_LOSS_TEXT_SIZE],
-                   char ours[PL_LOSS_TEXT_SIZE], char best[PL_LOSS_TEXT_SIZE],
+                   char home[PL_LOSS_TEXT_SIZE], char best[PL_LOSS_TEXT_SIZE],
                    char ratio[PL_LOSS_TEXT_SIZE])
 {
+    const pl_result_row *own = loss->home_cell->worst, *other = loss->best_cell->worst;
+    const bool primary = loss->metric == PL_METRIC_REFERENCE_ERROR && own->primary_error[0] != '\0';
     if (loss->kind == PL_LOSS_OUTCOME) {
         snprintf(metric, PL_LOSS_TEXT_SIZE, "outcome");
-        snprintf(ours, PL_LOSS_TEXT_SIZE, "%.150s", loss->our_cell->outcome);
-        snprintf(best, PL_LOSS_TEXT_SIZE, "%.150s", loss->best_cell->outcome);
+        snprintf(home, PL_LOSS_TEXT_SIZE, "%s", pl_outcome_name(own->outcome));
+        snprintf(best, PL_LOSS_TEXT_SIZE, "%s", pl_outcome_name(other->outcome));
         snprintf(ratio, PL_LOSS_TEXT_SIZE, "%s", pl_no_number);
         return;
     }
-    bool primary =
-        loss->metric == PL_METRIC_REFERENCE_ERROR && loss->test_case->primary_error[0] != '\0';
+    const pl_metric_summary value = pl_result_cell_metric(loss->home_cell, loss->metric);
+    const pl_metric_summary best_value = pl_result_cell_metric(loss->best_cell, loss->metric);
     snprintf(metric, PL_LOSS_TEXT_SIZE, "%s%s%.100s%s", pl_metric_table[loss->metric].name,
-             primary ? " (" : "", primary ? loss->test_case->primary_error : "",
-             primary ? ")" : "");
-    pl_metric_text(&loss->our_cell->metrics[loss->metric], ours);
-    pl_metric_text(&loss->best_cell->metrics[loss->metric], best);
-    if (loss->best_cell->verdict == PL_VERDICT_INACCURATE) {
+             primary ? " (" : "", primary ? own->primary_error : "", primary ? ")" : "");
+    pl_metric_text(&value, home);
+    pl_metric_text(&best_value, best);
+    if (other->verdict == PL_VERDICT_INACCURATE) {
         const size_t used = strlen(best);
         snprintf(best + used, PL_LOSS_TEXT_SIZE - used, " (inaccurate)");
     }

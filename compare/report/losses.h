@@ -4,7 +4,7 @@
 #define PLUMB_LOSSES_H
 
 #include "base/text_buffer.h"
-#include "result_matrix.h"
+#include "queries.h"
 
 /* The kinds of loss. */
 typedef enum pl_loss_kind {
@@ -16,11 +16,11 @@ typedef enum pl_loss_kind {
 /* One loss. */
 typedef struct pl_loss {
     pl_loss_kind kind;
-    const pl_case *test_case;
-    const pl_column *ours, *best;        /* best: of the other engines whose outcome is ok */
-    const pl_cell *our_cell, *best_cell; /* of `ours` and `best` on the case */
-    int metric;                          /* of the two kinds that have one */
-    double ratio; /* ours / the larger of best and the metric's floor; INFINITY for other kinds */
+    const pl_result_case *test_case;
+    const pl_result_configuration *home, *best; /* best: of the other engines whose outcome is ok */
+    const pl_result_cell *home_cell, *best_cell; /* of `home` and `best` on the case */
+    int metric;                                  /* of the two kinds that have one */
+    double ratio; /* home / the larger of best and the metric's floor; INFINITY for other kinds */
     bool near_rounding; /* PL_LOSS_VALUE: neither value is large enough to matter */
 } pl_loss;
 
@@ -31,14 +31,13 @@ typedef struct pl_losses {
     int count;
     int comparisons; /* pairs of our run and a metric that were compared with another engine */
     int cases;       /* with both a run of ours and an ok run of another engine */
-    bool ours_present, others_present;
+    bool home_present, others_present;
     pl_text_buffer statement; /* in words: how many losses in how many comparisons */
     pl_text_buffer rule;      /* in words: which metrics count, and which differences do not */
 } pl_losses;
 
-/* Finds the losses of a matrix, which must outlive *losses. The caller frees *losses, also on
- * failure. PL_NO_MEMORY. */
-pl_status pl_losses_find(const pl_result_matrix *matrix, pl_losses *losses, pl_error *error);
+/* Finds the losses in results, which must outlive *losses. The caller frees *losses. */
+void pl_losses_find(const pl_result_table *results, pl_losses *losses);
 
 /* Frees the losses. */
 void pl_losses_free(pl_losses *losses);
@@ -49,7 +48,7 @@ enum { PL_LOSS_TEXT_SIZE = 192 };
 /* Writes the texts of a loss, the same in every format. The other engine's value says so where its
  * run is inaccurate. */
 void pl_loss_texts(const pl_loss *loss, char metric[PL_LOSS_TEXT_SIZE],
-                   char ours[PL_LOSS_TEXT_SIZE], char best[PL_LOSS_TEXT_SIZE],
+                   char home[PL_LOSS_TEXT_SIZE], char best[PL_LOSS_TEXT_SIZE],
                    char ratio[PL_LOSS_TEXT_SIZE]);
 
 #endif

@@ -1,9 +1,9 @@
 #include "page_data.h"
 
 #include "adapter_trust.h"
+#include "base/number_format.h"
 #include "case_scene.h"
 #include "cell_verdict.h"
-#include "number_format.h"
 #include "results/result.h"
 
 #include <math.h>
@@ -56,7 +56,7 @@ static void add_once(json_t *array, const char *text)
 }
 
 /* Where and when the results were made: each value once. */
-static json_t *provenance_json(const pl_result_matrix *matrix)
+static json_t *provenance_json(const pl_result_table *results)
 {
     static const char *const facts[][3] = {
         {"Processor", "host", "cpu"},     {"System", "host", "os"},
@@ -67,8 +67,8 @@ static json_t *provenance_json(const pl_result_matrix *matrix)
     for (size_t k = 0; k < sizeof facts / sizeof facts[0]; ++k) {
         json_object_set_new(object, facts[k][0], json_array());
     }
-    for (size_t i = 0; i < json_array_size(matrix->results); ++i) {
-        const json_t *result = json_array_get(matrix->results, i);
+    for (int i = 0; i < results->row_count; ++i) {
+        const json_t *result = results->rows[i].result;
         const char *started = pl_json_get_text(result, "started");
         for (size_t k = 0; k < sizeof facts / sizeof facts[0]; ++k) {
             const char *value = pl_result_text(result, facts[k][1], facts[k][2]);
@@ -86,10 +86,10 @@ static json_t *provenance_json(const pl_result_matrix *matrix)
     return object;
 }
 
-static json_t *command_json(const pl_result_matrix *matrix)
+static json_t *command_json(const pl_result_table *results)
 {
     const json_t *command =
-        matrix->case_count == 0 ? NULL : json_object_get(matrix->cases[0].result, "command");
+        results->case_count == 0 ? NULL : json_object_get(results->cases[0].row->result, "command");
     pl_text_buffer line = {0};
     for (size_t i = 0; i < json_array_size(command); ++i) {
         const char *word = json_string_value(json_array_get(command, i));
@@ -104,23 +104,23 @@ static json_t *command_json(const pl_result_matrix *matrix)
 static json_t *engines_json(const pl_report *report)
 {
     json_t *array = json_array();
-    for (int i = 0; i < report->matrix.column_count; ++i) {
-        const pl_column *column = &report->matrix.columns[i];
+    for (int i = 0; i < report->results->configuration_count; ++i) {
+        const pl_result_configuration *configuration = &report->results->configurations[i];
         json_t *object = json_object();
         pl_text_buffer settings = {0}, known = {0};
-        pl_result_matrix_settings(&report->matrix, i, &settings);
-        pl_conformance_text(&report->matrix, i, &known);
-        set_text(object, "name", column->name);
-        set_text(object, "engine", column->engine);
-        set_text(object, "version", column->version);
-        set_text(object, "runtime", column->runtime);
-        json_object_set_new(object, "threads", json_integer(column->threads));
+        pl_add_settings(report->results, i, &settings);
+        pl_conformance_text(report->results, i, &known);
+        set_text(object, "name", configuration->name);
+        set_text(object, "engine", configuration->engine);
+        set_text(object, "version", configuration->version);
+        set_text(object, "runtime", configuration->runtime);
+        json_object_set_new(object, "threads", json_integer(configuration->threads));
         set_buffer(object, "settings", &settings);
         set_buffer(object, "conformance", &known);
-        json_object_set_new(object, "ours", json_boolean(column->ours));
+        json_object_set_new(object, "ours", json_boolean(configuration->is_home));
         for (int k = 0; k < report->verdicts.count; ++k) {
             const pl_verdict_count *count = &report->verdicts.items[k];
-            if (count->column == column) {
+            if (count->configuration == configuration) {
                 json_object_set_new(object, "counts",
                                     json_pack("{s:i, s:i, s:i, s:i, s:i, s:i}", "accurate",
                                               count->runs[PL_VERDICT_ACCURATE], "inaccurate",
@@ -143,15 +143,15 @@ static json_t *losses_json(const pl_report *report)
     json_t *rows = json_array();
     for (int i = 0; i < losses->count; ++i) {
         const pl_loss *loss = &losses->items[i];
-        char metric[PL_LOSS_TEXT_SIZE], ours[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
+        char metric[PL_LOSS_TEXT_SIZE], home[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
         char ratio[PL_LOSS_TEXT_SIZE];
-        pl_loss_texts(loss, metric, ours, best, ratio);
+        pl_loss_texts(loss, metric, home, best, ratio);
         json_array_append_new(rows, json_pack("[i, s, o, s, o, s, s]",
-                                              (int)(loss->test_case - report->matrix.cases), metric,
-                                              text_or_null(loss->ours->name), ours,
+                                              (int)(loss->test_case - report->results->cases),
+                                              metric, text_or_null(loss->home->name), home,
                                               text_or_null(loss->best->name), best, ratio));
     }
-    return json_pack("{s:b, s:o, s:o, s:o}", "ours", (int)losses->ours_present, "statement",
+    return json_pack("{s:b, s:o, s:o, s:o}", "ours", (int)losses->home_present, "statement",
                      text_or_null(losses->statement.data), "rule", text_or_null(losses->rule.data),
                      "rows", rows);
 }
@@ -165,8 +165,8 @@ static json_t *finding_rows(const pl_report *report, const pl_engine_finding *it
         const char *cause = NULL, *evidence = NULL;
         pl_engine_finding_texts(&items[i], error, &cause, &evidence);
         json_array_append_new(
-            rows, json_pack("[i, o, o, o, o]", (int)(items[i].test_case - report->matrix.cases),
-                            text_or_null(items[i].column->name), text_or_null(error),
+            rows, json_pack("[i, o, o, o, o]", (int)(items[i].test_case - report->results->cases),
+                            text_or_null(items[i].configuration->name), text_or_null(error),
                             text_or_null(ours ? pl_cell_why(items[i].cell) : cause),
                             text_or_null(ours ? "" : evidence)));
     }
@@ -247,7 +247,7 @@ static bool is_file_time(const char *name)
 
 static void add_param(json_t *array, const pl_param *param, const json_t *value)
 {
-    char number[PL_NUMBER_SIZE];
+    char number[PL_QUANTITY_SIZE];
     pl_format_given(json_is_number(value) ? json_number_value(value) : (double)NAN, param->unit,
                     number);
     json_array_append_new(array,
@@ -256,18 +256,18 @@ static void add_param(json_t *array, const pl_param *param, const json_t *value)
 
 /* Parameters as [name, value, meaning]; of a scene file its own, without meaning, then its time step
  * and duration. */
-static json_t *params_json(const pl_case *test_case)
+static json_t *params_json(const pl_result_case *test_case)
 {
-    const pl_scenario *scenario = test_case->catalogue;
-    const json_t *settings = json_object_get(test_case->result, "settings");
+    const pl_scenario *scenario = test_case->row->catalogue;
+    const json_t *settings = json_object_get(test_case->row->result, "settings");
     json_t *array = json_array();
     const char *name;
     json_t *value;
     for (int i = 0; scenario != NULL && i < scenario->param_count; ++i) {
         const pl_param *param = &scenario->params[i];
-        add_param(array, param, json_object_get(test_case->params, param->name));
+        add_param(array, param, json_object_get(test_case->row->params, param->name));
     }
-    json_object_foreach((json_t *)test_case->params, name, value)
+    json_object_foreach((json_t *)test_case->row->params, name, value)
     {
         if (scenario == NULL && !is_file_time(name)) {
             add_param(array, &(pl_param){.name = name, .unit = "1", .help = ""}, value);
@@ -280,15 +280,15 @@ static json_t *params_json(const pl_case *test_case)
 }
 
 /* The command that makes the runs of a case again. */
-static json_t *again_json(const pl_case *test_case)
+static json_t *again_json(const pl_result_case *test_case)
 {
-    const pl_scenario *scenario = test_case->catalogue;
-    const json_t *settings = json_object_get(test_case->result, "settings");
+    const pl_scenario *scenario = test_case->row->catalogue;
+    const json_t *settings = json_object_get(test_case->row->result, "settings");
     pl_text_buffer line = {0};
     pl_text_add(&line, "plumb compare ");
-    pl_text_add_shell(&line, test_case->scenario);
+    pl_text_add_shell(&line, test_case->row->scenario);
     for (int i = 0; scenario != NULL && i < scenario->param_count; ++i) {
-        const json_t *value = json_object_get(test_case->params, scenario->params[i].name);
+        const json_t *value = json_object_get(test_case->row->params, scenario->params[i].name);
         if (json_is_number(value) && json_number_value(value) != scenario->params[i].value) {
             pl_text_format(&line, " --set %s=%.17g", scenario->params[i].name,
                            json_number_value(value));
@@ -296,7 +296,7 @@ static json_t *again_json(const pl_case *test_case)
     }
     const char *name;
     json_t *param;
-    json_object_foreach((json_t *)test_case->params, name, param)
+    json_object_foreach((json_t *)test_case->row->params, name, param)
     {
         if (scenario == NULL && !is_file_time(name)) {
             pl_text_format(&line, " --set %s=%.17g", name, json_number_value(param));
@@ -309,8 +309,8 @@ static json_t *again_json(const pl_case *test_case)
                            json_number_value(json_object_get(settings, time)));
         }
     }
-    if (test_case->seed != 0) {
-        pl_text_format(&line, " --seed %" JSON_INTEGER_FORMAT, test_case->seed);
+    if (test_case->row->seed != 0) {
+        pl_text_format(&line, " --seed %" JSON_INTEGER_FORMAT, test_case->row->seed);
     }
     json_t *text = text_or_null(line.data);
     pl_text_free(&line);
@@ -343,77 +343,75 @@ static json_t *metric_json(const pl_metric_summary *summary)
     return json_pack("[o, o, o]", value, text_or_null(text), text_or_null(note));
 }
 
-static json_t *cell_json(const pl_case *test_case, const pl_cell *cell)
+static json_t *cell_json(const pl_result_case *test_case, const pl_result_cell *cell)
 {
     char verdict[PL_CELL_VERDICT_SIZE], output[MOST_OUTPUT + 1];
-    json_t *object = json_object(), *metrics = json_object();
-    if (cell->result == NULL) {
-        json_decref(metrics);
-        json_decref(object);
+    if (cell == NULL) {
         return json_null();
     }
+    json_t *object = json_object(), *metrics = json_object();
     pl_cell_verdict(cell, verdict);
     set_text(object, "style", pl_cell_style(cell));
     set_text(object, "verdict", verdict);
     set_text(object, "why", pl_cell_why(cell));
-    set_text(object, "outcome", cell->outcome);
-    set_text(object, "note", pl_json_get_text(cell->result, "note"));
-    set_text(object, "spec", pl_json_get_text(cell->result, "engine_spec"));
-    set_text(object, "run", pl_json_get_text(cell->result, "run"));
-    snprintf(output, sizeof output, "%s", pl_json_get_text(cell->result, "output"));
+    set_text(object, "outcome", pl_outcome_name(cell->worst->outcome));
+    set_text(object, "note", pl_json_get_text(cell->worst->result, "note"));
+    set_text(object, "spec", pl_json_get_text(cell->worst->result, "engine_spec"));
+    set_text(object, "run", pl_json_get_text(cell->worst->result, "run"));
+    snprintf(output, sizeof output, "%s", pl_json_get_text(cell->worst->result, "output"));
     set_text(object, "output", output);
-    if (cell->repeats > 1) {
-        json_object_set_new(object, "repeats", json_integer(cell->repeats));
-        json_object_set_new(object, "ok_repeats", json_integer(cell->ok_repeats));
+    if (cell->count > 1) {
+        json_object_set_new(object, "repeats", json_integer(cell->count));
+        json_object_set_new(object, "ok_repeats", json_integer(cell->ok_count));
     }
-    if (pl_cell_disagrees(cell)) {
+    if (cell->disagrees) {
         json_object_set_new(object, "disagrees", json_true());
     }
     for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-        const pl_metric_summary *summary = &cell->metrics[id];
-        if (summary->state != PL_METRIC_ABSENT && !pl_case_primary_is(test_case, id)) {
-            json_object_set_new(metrics, pl_metric_table[id].name, metric_json(summary));
+        const pl_metric_summary summary = pl_result_cell_metric(cell, id);
+        if (summary.state != PL_METRIC_ABSENT && !pl_case_primary_is(test_case, id)) {
+            json_object_set_new(metrics, pl_metric_table[id].name, metric_json(&summary));
         }
     }
     json_object_set_new(object, "metrics", metrics);
-    if (json_array_size(json_object_get(cell->result, "final_poses")) <= MOST_BODIES) {
-        json_object_set_new(object, "final", final_json(cell->result));
+    if (json_array_size(json_object_get(cell->worst->result, "final_poses")) <= MOST_BODIES) {
+        json_object_set_new(object, "final", final_json(cell->worst->result));
     }
     return object;
 }
 
-static void set_bound(const pl_result_matrix *matrix, const pl_case *test_case, json_t *object)
+static void set_bound(const pl_result_case *test_case, json_t *object)
 {
-    char bound[PL_NUMBER_SIZE];
+    char bound[PL_QUANTITY_SIZE];
     const char *reason = "";
-    const int id = pl_metric_by_name(test_case->primary_error);
-    set_text(object, "primary_error", test_case->primary_error);
+    const int id = pl_metric_by_name(test_case->row->primary_error);
+    set_text(object, "primary_error", test_case->row->primary_error);
     set_text(object, "unit", id < 0 ? "" : pl_metric_table[id].unit);
     set_text(object, "primary_definition", id < 0 ? "" : pl_metric_table[id].definition);
-    if (pl_case_acceptance(matrix, test_case, bound, &reason)) {
+    if (pl_case_acceptance(test_case, bound, &reason)) {
         set_text(object, "bound_text", bound);
         set_text(object, "bound_reason", reason);
     }
-    for (int i = 0; i < matrix->column_count; ++i) {
-        const json_t *value = json_object_get(test_case->cells[i].result, "acceptance");
+    for (int i = 0; i < test_case->count; ++i) {
+        const json_t *value = json_object_get(test_case->cells[i].worst->result, "acceptance");
         if (json_is_number(value)) {
             json_object_set_new(object, "bound", json_real(json_number_value(value)));
         }
     }
 }
 
-static json_t *case_json(const pl_result_matrix *matrix, const pl_case *test_case)
+static json_t *case_json(const pl_result_table *results, const pl_result_case *test_case)
 {
     json_t *object = json_object(), *cells = json_array();
     pl_scene scene;
     pl_error error = {PL_OK, ""};
     const pl_status built = pl_case_scene_build(test_case, &scene, &error);
     set_text(object, "name", test_case->name);
-    set_text(object, "scenario", test_case->scenario);
-    if (test_case->catalogue != NULL) {
-        pl_page_data_scenario(test_case->catalogue, object);
+    set_text(object, "scenario", test_case->row->scenario);
+    if (test_case->row->catalogue != NULL) {
+        pl_page_data_scenario(test_case->row->catalogue, object);
     }
-    set_bound(matrix, test_case, object);
+    set_bound(test_case, object);
     json_object_set_new(object, "params", params_json(test_case));
     json_object_set_new(object, "again", again_json(test_case));
     if (built == PL_OK) {
@@ -421,8 +419,8 @@ static json_t *case_json(const pl_result_matrix *matrix, const pl_case *test_cas
     } else {
         set_text(object, "scene_error", error.message);
     }
-    for (int i = 0; i < matrix->column_count; ++i) {
-        json_array_append_new(cells, cell_json(test_case, &test_case->cells[i]));
+    for (int i = 0; i < results->configuration_count; ++i) {
+        json_array_append_new(cells, cell_json(test_case, pl_result_case_cell(test_case, i)));
     }
     json_object_set_new(object, "cells", cells);
     pl_scene_free(&scene);
@@ -431,16 +429,16 @@ static json_t *case_json(const pl_result_matrix *matrix, const pl_case *test_cas
 
 pl_status pl_page_data(const pl_report *report, json_t **data, pl_error *error)
 {
-    const pl_result_matrix *matrix = &report->matrix;
+    const pl_result_table *results = report->results;
     json_t *cases = json_array();
-    for (int i = 0; i < matrix->case_count; ++i) {
-        json_array_append_new(cases, case_json(matrix, &matrix->cases[i]));
+    for (int i = 0; i < results->case_count; ++i) {
+        json_array_append_new(cases, case_json(results, &results->cases[i]));
     }
     *data =
         json_pack("{s:s, s:i, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "kind", "report",
-                  "runs", matrix->run_count, "several_hosts", (int)matrix->several_hosts,
-                  "disagrees", (int)matrix->disagrees, "provenance", provenance_json(matrix),
-                  "command", command_json(matrix), "engines", engines_json(report), "cases", cases,
+                  "runs", results->row_count, "several_hosts", (int)results->several_hosts,
+                  "disagrees", (int)results->disagrees, "provenance", provenance_json(results),
+                  "command", command_json(results), "engines", engines_json(report), "cases", cases,
                   "losses", losses_json(report), "findings", findings_json(report), "metrics",
                   pl_page_data_metrics(), "words", pl_engine_words());
     return *data == NULL ? pl_fail(error, PL_NO_MEMORY, "no memory for the report's page") : PL_OK;

@@ -3,6 +3,7 @@
 #include "report.h"
 
 #include "base/file_text.h"
+#include "base/heap.h"
 #include "page.h"
 #include "page_data.h"
 #include "results/result.h"
@@ -129,24 +130,22 @@ static void add_header(pl_text_buffer *out)
     pl_text_add(out, ",value_text\r\n");
 }
 
-void pl_report_csv(json_t *results, pl_text_buffer *out)
+void pl_report_csv(const pl_result_table *results, pl_text_buffer *out)
 {
+    const pl_result_row **rows = pl_result_table_by_place(results);
     add_header(out);
-    size_t index;
-    json_t *result;
-    json_array_foreach(results, index, result)
-    {
-        json_t *metrics = json_object_get(result, "metrics");
-        if (json_object_size(metrics) == 0) {
-            add_line(result, NULL, NULL, out);
+    for (int i = 0; i < results->row_count; ++i) {
+        if (json_object_size(rows[i]->metrics) == 0) {
+            add_line(rows[i]->result, NULL, NULL, out);
         }
         const char *name;
         json_t *metric;
-        json_object_foreach(metrics, name, metric)
+        json_object_foreach((json_t *)rows[i]->metrics, name, metric)
         {
-            add_line(result, name, metric, out);
+            add_line(rows[i]->result, name, metric, out);
         }
     }
+    free(rows);
 }
 
 /* ---- Files ---- */
@@ -205,10 +204,9 @@ static pl_status write_files(report_file *files, int count, const pl_report_def 
 
 /* ---- Runs in a row each ---- */
 
-void pl_report_runs_csv(json_t *results, pl_text_buffer *out)
+void pl_report_runs_csv(const pl_result_table *results, pl_text_buffer *out)
 {
-    size_t index;
-    json_t *result;
+    const pl_result_row **rows = pl_result_table_by_place(results);
     add_columns(run_columns, RUN_COLUMNS, true, out);
     add_columns(verdict_columns, VERDICT_COLUMNS, false, out);
     for (int id = 0; id < PL_METRIC_COUNT; ++id) {
@@ -216,18 +214,17 @@ void pl_report_runs_csv(json_t *results, pl_text_buffer *out)
         pl_text_format(out, unit[0] == '\0' ? ",%s" : ",%s (%s)", pl_metric_table[id].name, unit);
     }
     pl_text_add(out, "\r\n");
-    json_array_foreach(results, index, result)
-    {
-        add_values(result, run_columns, RUN_COLUMNS, true, out);
-        add_values(result, verdict_columns, VERDICT_COLUMNS, false, out);
+    for (int i = 0; i < results->row_count; ++i) {
+        add_values(rows[i]->result, run_columns, RUN_COLUMNS, true, out);
+        add_values(rows[i]->result, verdict_columns, VERDICT_COLUMNS, false, out);
         for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-            const json_t *metric =
-                json_object_get(json_object_get(result, "metrics"), pl_metric_table[id].name);
+            const json_t *metric = json_object_get(rows[i]->metrics, pl_metric_table[id].name);
             pl_text_add(out, ",");
             add_value(json_object_get(metric, "value"), out);
         }
         pl_text_add(out, "\r\n");
     }
+    free(rows);
 }
 
 /* ---- The page ---- */
@@ -257,29 +254,30 @@ static int folder_length(const char *path)
     return (int)(is_folder || slash == NULL ? strlen(path) : (size_t)(slash - path));
 }
 
-/* The recordings of the first repeat in each cell, the smallest first. The caller frees. */
-static recording *find_recordings(const pl_report_def *def, const pl_result_matrix *matrix,
-                                  int *count)
+/* Finds the recording of a run in the first folder that has it. */
+static bool find_recording(const pl_report_def *def, const char *run, recording *found)
 {
+    struct stat information;
+    for (int f = 0; f < def->folder_count && strlen(run) == 16; ++f) {
+        const int length = snprintf(found->path, sizeof found->path, "%.*s/recordings/%s.json",
+                                    folder_length(def->folders[f]), def->folders[f], run);
+        if (length < (int)sizeof found->path && stat(found->path, &information) == 0) {
+            snprintf(found->run, sizeof found->run, "%s", run);
+            found->size = information.st_size;
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The recordings of the runs that cells show, the smallest first. The caller frees. */
+static recording *find_recordings(const pl_report_def *def, int *count)
+{
+    recording *found = NULL, next;
     *count = 0;
-    recording *found =
-        calloc((size_t)matrix->case_count * (size_t)matrix->column_count + 1, sizeof *found);
-    for (int i = 0; found != NULL && i < matrix->case_count; ++i) {
-        for (int k = 0; k < matrix->column_count; ++k) {
-            const char *run = pl_json_get_text(matrix->cases[i].cells[k].result, "run");
-            recording *next = &found[*count];
-            struct stat information;
-            for (int f = 0; f < def->folder_count && strlen(run) == 16; ++f) {
-                const int length =
-                    snprintf(next->path, sizeof next->path, "%.*s/recordings/%s.json",
-                             folder_length(def->folders[f]), def->folders[f], run);
-                if (length < (int)sizeof next->path && stat(next->path, &information) == 0) {
-                    snprintf(next->run, sizeof next->run, "%s", run);
-                    next->size = information.st_size;
-                    *count += 1;
-                    break;
-                }
-            }
+    for (int i = 0; i < def->results->cell_count; ++i) {
+        if (find_recording(def, def->results->cells[i].worst->run, &next)) {
+            pl_push(&found, count, &next, sizeof next);
         }
     }
     if (found != NULL) {
@@ -289,15 +287,14 @@ static recording *find_recordings(const pl_report_def *def, const pl_result_matr
 }
 
 /* Adds those recordings that fit. One that cannot be read is left out, as if it were not there. */
-static void add_recordings(const pl_report_def *def, const pl_report *report, pl_text_buffer *out)
+static void add_recordings(const pl_report_def *def, pl_text_buffer *out)
 {
     static const pl_file_kind kind = {.noun = "recording", .most_bytes = MOST_RECORDING};
     int count = 0;
     long long total = 0;
-    recording *found = find_recordings(def, &report->matrix, &count);
+    recording *found = find_recordings(def, &count);
     json_t *left_out = json_array();
-    out->failed |= found == NULL;
-    for (int i = 0; found != NULL && i < count; ++i) {
+    for (int i = 0; i < count; ++i) {
         char *text = NULL, id[32];
         size_t length = 0;
         total += found[i].size;
@@ -325,7 +322,7 @@ static pl_status make_page(const pl_report_def *def, const pl_report *report, pl
     if (status == PL_OK) {
         pl_page_open(out);
         pl_page_add(out, "data", data);
-        add_recordings(def, report, out);
+        add_recordings(def, out);
         pl_page_close(out);
     }
     json_decref(data);

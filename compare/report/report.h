@@ -3,18 +3,12 @@
 #define PLUMB_REPORT_H
 
 #include "base/text_buffer.h"
-#include "plumb/base.h"
-
-#include <jansson.h>
-#include <stdbool.h>
-#include <stdio.h>
+#include "results/result_table.h"
 
 /* What to report. */
 typedef struct pl_report_def {
     const char *directory; /* where the files go; it must exist */
-    /* plumb.result/1 objects in any order, several repeats of a run among them; borrowed and not
-     * changed */
-    json_t *results;
+    const pl_result_table *results;
     const char *const *folders; /* (folder_count) that may have recordings/RUN.json of the runs */
     int folder_count;
     const char *only; /* the one file to write; NULL: all */
@@ -26,27 +20,26 @@ typedef struct pl_report_def {
  * (GitHub tables) and index.html (one self-contained page, with at most 8 MiB of recordings).
  *
  * All files are written under temporary names first and renamed when all are complete, so that no
- * file is ever half-written: on failure the old files stay. PL_BAD_INPUT: an item that is not a
- * plumb.result/1 object, named by its index. PL_IO: the directory cannot be written, or the disk is
- * full; the message names the file. PL_NO_MEMORY. */
+ * file is ever half-written: on failure the old files stay. PL_IO: the directory cannot be written, or the disk is
+ * full; the message names the file. */
 pl_status pl_report_write(const pl_report_def *def, pl_error *error);
 
 /* Adds results as CSV (RFC 4180) for a spreadsheet: a row for each run, with a column for each
  * metric. Numbers have full precision; null and absent values are empty fields. */
-void pl_report_runs_csv(json_t *results, pl_text_buffer *out);
+void pl_report_runs_csv(const pl_result_table *results, pl_text_buffer *out);
 
 /* Adds results as CSV (RFC 4180) with a header and CRLF: a row for each run and metric, with the
  * keys that identify the run in every row; a run without metrics has one row whose metric is empty.
  * Numbers have full precision; null and absent values are empty fields. A value that is a text is in
  * the last column, value_text, so that the column value has numbers alone. */
-void pl_report_csv(json_t *results, pl_text_buffer *out);
+void pl_report_csv(const pl_result_table *results, pl_text_buffer *out);
 
 /* Prints the same results as a UTF-8 table that fits `width` columns (at least 40): first where
  * plumb loses, then each case with a line for each engine, findings with their causes, and, of more
  * than one case, how many verdicts of each kind every engine has.
  * `colour` allows ANSI colours. Control characters are shown as '?', so that no output of an engine
  * can control the terminal. */
-void pl_report_print_table(FILE *out, const json_t *results, bool colour, int width);
+void pl_report_print_table(FILE *out, const pl_result_table *results, bool colour, int width);
 
 /* Adds the catalogue as one HTML page: each scenario with its scene, right answer, source and
  * parameters. PL_NO_MEMORY, or the error of a scenario that cannot be built. */

@@ -1,8 +1,8 @@
 #include "summary.h"
 
 #include "adapter_trust.h"
+#include "base/number_format.h"
 #include "cell_verdict.h"
-#include "number_format.h"
 #include "results/result.h"
 
 #include <math.h>
@@ -11,20 +11,12 @@
 
 enum { SHOWN_LOSSES = 20 };
 
-pl_status pl_report_build(const json_t *results, pl_report *report, pl_error *error)
+pl_status pl_report_build(const pl_result_table *results, pl_report *report, pl_error *error)
 {
-    *report = (pl_report){0};
-    pl_status status = pl_result_matrix_build(results, &report->matrix, error);
-    if (status == PL_OK) {
-        status = pl_verdict_counts_make(&report->matrix, &report->verdicts, error);
-    }
-    if (status == PL_OK) {
-        status = pl_losses_find(&report->matrix, &report->losses, error);
-    }
-    if (status == PL_OK) {
-        status = pl_engine_findings_find(&report->matrix, &report->findings, error);
-    }
-    return status;
+    *report = (pl_report){.results = results};
+    pl_verdict_counts_make(results, &report->verdicts);
+    pl_losses_find(results, &report->losses);
+    return pl_engine_findings_find(results, &report->findings, error);
 }
 
 void pl_report_free(pl_report *report)
@@ -32,7 +24,6 @@ void pl_report_free(pl_report *report)
     pl_engine_findings_free(&report->findings);
     pl_losses_free(&report->losses);
     pl_verdict_counts_free(&report->verdicts);
-    pl_result_matrix_free(&report->matrix);
 }
 
 /* ---- Markdown ---- */
@@ -86,10 +77,10 @@ static void add_markup(pl_table *table, pl_text_buffer *markup)
     pl_text_free(markup);
 }
 
-static void add_engine_columns(const pl_result_matrix *matrix, pl_table *table)
+static void add_engine_columns(const pl_result_table *results, pl_table *table)
 {
-    for (int i = 0; i < matrix->column_count; ++i) {
-        pl_table_column(table, PL_RIGHT, "%s", matrix->columns[i].name);
+    for (int i = 0; i < results->configuration_count; ++i) {
+        pl_table_column(table, PL_RIGHT, "%s", results->configurations[i].name);
     }
 }
 
@@ -100,14 +91,14 @@ static const char *plural(int count)
     return count == 1 ? "" : "s";
 }
 
-static void add_markdown_head(const pl_result_matrix *matrix, pl_text_buffer *out)
+static void add_markdown_head(const pl_result_table *results, pl_text_buffer *out)
 {
     pl_text_add(out, "# Plumb report\n\n");
-    if (matrix->case_count > 0) {
-        const json_t *result = matrix->cases[0].result;
-        pl_text_format(out, "%d run%s, %d case%s, %d engine%s; ", matrix->run_count,
-                       plural(matrix->run_count), matrix->case_count, plural(matrix->case_count),
-                       matrix->column_count, plural(matrix->column_count));
+    if (results->case_count > 0) {
+        const json_t *result = results->cases[0].row->result;
+        pl_text_format(out, "%d run%s, %d case%s, %d engine%s; ", results->row_count,
+                       plural(results->row_count), results->case_count, plural(results->case_count),
+                       results->configuration_count, plural(results->configuration_count));
         pl_text_add_markdown(out, pl_result_text(result, "host", "cpu"));
         pl_text_add(out, "; plumb ");
         pl_text_add_markdown(out, pl_result_text(result, "plumb", "version"));
@@ -134,20 +125,20 @@ static void add_verdicts(const pl_verdict_counts *verdicts, pl_text_buffer *out)
 
 static void add_losses(const pl_losses *losses, pl_text_buffer *out)
 {
-    if (!losses->ours_present) {
+    if (!losses->home_present) {
         return;
     }
     pl_table table = {0};
     pl_table_columns(&table, "Case|Metric|Ours|>value|Best other|>value|>Ratio");
     for (int i = 0; i < losses->count; ++i) {
         const pl_loss *loss = &losses->items[i];
-        char metric[PL_LOSS_TEXT_SIZE], ours[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
+        char metric[PL_LOSS_TEXT_SIZE], home[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
         char ratio[PL_LOSS_TEXT_SIZE];
-        pl_loss_texts(loss, metric, ours, best, ratio);
+        pl_loss_texts(loss, metric, home, best, ratio);
         pl_table_add(&table, loss->test_case->name);
         pl_table_add(&table, metric);
-        pl_table_add(&table, loss->ours->name);
-        pl_table_add(&table, ours);
+        pl_table_add(&table, loss->home->name);
+        pl_table_add(&table, home);
         pl_table_add(&table, loss->best->name);
         pl_table_add(&table, best);
         pl_table_add(&table, ratio);
@@ -165,7 +156,7 @@ static void add_finding(const pl_engine_finding *finding, bool ours, pl_table *t
     const char *cause = NULL, *evidence = NULL;
     pl_engine_finding_texts(finding, error, &cause, &evidence);
     pl_table_add(table, finding->test_case->name);
-    pl_table_add(table, finding->column->name);
+    pl_table_add(table, finding->configuration->name);
     pl_table_add(table, error);
     pl_table_add(table, ours ? pl_cell_why(finding->cell) : cause);
     if (!ours) {
@@ -193,13 +184,13 @@ static void add_warning(pl_text_buffer *out, const char *head, const char *text)
     pl_text_format(out, "**%s** %s\n\n", head, text);
 }
 
-static void add_warnings(const pl_result_matrix *matrix, pl_text_buffer *out)
+static void add_warnings(const pl_result_table *results, pl_text_buffer *out)
 {
-    if (matrix->several_hosts) {
+    if (results->several_hosts) {
         add_warning(out, "These runs come from several machines:",
                     "their times cannot be compared with each other.");
     }
-    if (matrix->disagrees) {
+    if (results->disagrees) {
         add_warning(out, "Not deterministic:",
                     "some repeats of the same run differ where they should agree. The cells are "
                     "marked.");
@@ -209,50 +200,50 @@ static void add_warnings(const pl_result_matrix *matrix, pl_text_buffer *out)
 /* ---- Results ---- */
 
 /* Adds the cell of a run: its primary error, the time of a step and its ratio to the fastest. */
-static void add_result(const pl_column *column, const pl_cell *cell, double fastest,
-                       pl_table *table)
+static void add_result(const pl_result_configuration *configuration, const pl_result_cell *cell,
+                       double fastest, pl_table *table)
 {
-    const pl_metric_summary *error = &cell->metrics[PL_METRIC_REFERENCE_ERROR];
-    const pl_metric_summary *time = &cell->metrics[PL_METRIC_TIME_PER_STEP];
-    const bool has_time = time->state == PL_METRIC_VALUE;
     char text[PL_METRIC_TEXT_SIZE], time_text[PL_CELL_TIME_SIZE];
     pl_text_buffer markup = {0};
-    if (cell->result == NULL) {
+    if (cell == NULL) {
         pl_table_add(table, "not run");
         return;
     }
-    if (cell->verdict != PL_VERDICT_ACCURATE) {
+    const pl_metric_summary error = pl_result_cell_metric(cell, PL_METRIC_REFERENCE_ERROR);
+    const pl_metric_summary time = pl_result_cell_metric(cell, PL_METRIC_TIME_PER_STEP);
+    const bool has_time = time.state == PL_METRIC_VALUE;
+    if (cell->worst->verdict != PL_VERDICT_ACCURATE) {
         pl_cell_badge(cell, &markup);
         pl_text_add(&markup, " ");
     }
-    pl_metric_text(error, text);
+    pl_metric_text(&error, text);
     pl_text_add_markdown(&markup, text);
-    if (pl_cell_disagrees(cell)) {
+    if (cell->disagrees) {
         pl_text_add(&markup, " *not deterministic*");
     }
-    pl_cell_time_text(column, cell, pl_metric_text, time_text);
+    pl_cell_time_text(configuration, cell, pl_metric_text, time_text);
     pl_text_add(&markup, has_time ? "<br>" : "");
     pl_text_add_markdown(&markup, has_time ? time_text : "");
-    if (column->runtime != NULL && has_time) {
+    if (configuration->runtime != NULL && has_time) {
         pl_text_add(&markup, " in ");
-        pl_text_add_markdown(&markup, column->runtime);
-    } else if (cell->ok && has_time && fastest > 0 && isfinite(fastest)) {
-        pl_format_ratio(time->value / fastest, text);
+        pl_text_add_markdown(&markup, configuration->runtime);
+    } else if (pl_result_cell_is_ok(cell) && has_time && fastest > 0 && isfinite(fastest)) {
+        pl_format_ratio(time.value / fastest, text);
         pl_text_format(&markup, " (%s)", text);
     }
     add_markup(table, &markup);
 }
 
-static void add_case_name(const pl_result_matrix *matrix, const pl_case *test_case, pl_table *table)
+static void add_case_name(const pl_result_case *test_case, pl_table *table)
 {
-    const bool has_primary = test_case->primary_error[0] != '\0';
-    char bound[PL_NUMBER_SIZE];
+    const bool has_primary = test_case->row->primary_error[0] != '\0';
+    char bound[PL_QUANTITY_SIZE];
     const char *reason = "";
     pl_text_buffer markup = {0};
     pl_text_add_markdown(&markup, test_case->name);
     pl_text_add(&markup, " (");
-    pl_text_add_markdown(&markup, has_primary ? test_case->primary_error : "no reference");
-    if (pl_case_acceptance(matrix, test_case, bound, &reason)) {
+    pl_text_add_markdown(&markup, has_primary ? test_case->row->primary_error : "no reference");
+    if (pl_case_acceptance(test_case, bound, &reason)) {
         pl_text_add(&markup, ", at most ");
         pl_text_add_markdown(&markup, bound);
     }
@@ -260,17 +251,18 @@ static void add_case_name(const pl_result_matrix *matrix, const pl_case *test_ca
     add_markup(table, &markup);
 }
 
-static void add_results(const pl_result_matrix *matrix, pl_text_buffer *out)
+static void add_results(const pl_result_table *results, pl_text_buffer *out)
 {
     pl_table table = {0};
     pl_table_columns(&table, "Case (primary error and its bound)");
-    add_engine_columns(matrix, &table);
-    for (int i = 0; i < matrix->case_count; ++i) {
-        const pl_case *test_case = &matrix->cases[i];
-        double fastest = pl_case_least_time(matrix, test_case);
-        add_case_name(matrix, test_case, &table);
-        for (int k = 0; k < matrix->column_count; ++k) {
-            add_result(&matrix->columns[k], &test_case->cells[k], fastest, &table);
+    add_engine_columns(results, &table);
+    for (int i = 0; i < results->case_count; ++i) {
+        const pl_result_case *test_case = &results->cases[i];
+        double fastest = pl_case_least_time(results, test_case);
+        add_case_name(test_case, &table);
+        for (int k = 0; k < results->configuration_count; ++k) {
+            add_result(&results->configurations[k], pl_result_case_cell(test_case, k), fastest,
+                       &table);
         }
     }
     add_heading(out, "Results");
@@ -312,32 +304,41 @@ static void add_findings(const pl_engine_findings *findings, pl_text_buffer *out
 
 /* ---- Time stepping ---- */
 
-/* Whether an ok run has both a relative primary error and a discrete_error. */
-static bool has_both_errors(const pl_case *test_case, const pl_cell *cell)
+static void add_metric(const pl_result_cell *cell, int metric, pl_table *table)
 {
-    const int primary = pl_metric_by_name(test_case->primary_error);
-    return cell->ok && (primary == PL_METRIC_TRAVEL_ERROR || primary == PL_METRIC_VALUE_ERROR) &&
-           cell->metrics[PL_METRIC_REFERENCE_ERROR].state == PL_METRIC_VALUE &&
-           cell->metrics[PL_METRIC_DISCRETE_ERROR].state == PL_METRIC_VALUE;
+    const pl_metric_summary summary = pl_result_cell_metric(cell, metric);
+    char text[PL_METRIC_TEXT_SIZE];
+    pl_metric_text(&summary, text);
+    pl_table_add(table, text);
+}
+
+/* Whether an ok run has both a relative primary error and a discrete_error. */
+static bool has_both_errors(const pl_result_cell *cell)
+{
+    const int primary = pl_metric_by_name(cell->worst->primary_error);
+    return pl_result_cell_is_ok(cell) &&
+           (primary == PL_METRIC_TRAVEL_ERROR || primary == PL_METRIC_VALUE_ERROR) &&
+           pl_result_cell_metric(cell, PL_METRIC_REFERENCE_ERROR).state == PL_METRIC_VALUE &&
+           pl_result_cell_metric(cell, PL_METRIC_DISCRETE_ERROR).state == PL_METRIC_VALUE;
 }
 
 /* Adds the error of the time-stepping rule, and the rest: the error of contacts and friction. */
-static void add_time_stepping(const pl_result_matrix *matrix, pl_text_buffer *out)
+static void add_time_stepping(const pl_result_table *results, pl_text_buffer *out)
 {
     pl_table table = {0};
     pl_table_columns(&table, "Case|Engine|Rule, as detected|>Error against the right answer|"
                              ">Against its own rule: contact");
-    for (int i = 0, k = 0; pl_result_matrix_next(matrix, has_both_errors, &i, &k); ++k) {
-        const pl_cell *cell = &matrix->cases[i].cells[k];
-        const pl_metric_summary *rule = &cell->metrics[PL_METRIC_INTEGRATOR];
-        char text[PL_METRIC_TEXT_SIZE];
-        pl_table_add(&table, matrix->cases[i].name);
-        pl_table_add(&table, matrix->columns[k].name);
-        pl_table_add(&table, rule->state == PL_METRIC_TEXT ? rule->text : "not detected");
-        pl_metric_text(&cell->metrics[PL_METRIC_REFERENCE_ERROR], text);
-        pl_table_add(&table, text);
-        pl_metric_text(&cell->metrics[PL_METRIC_DISCRETE_ERROR], text);
-        pl_table_add(&table, text);
+    for (int i = 0; i < results->cell_count; ++i) {
+        const pl_result_cell *cell = &results->cells[i];
+        const pl_metric_summary rule = pl_result_cell_metric(cell, PL_METRIC_INTEGRATOR);
+        if (!has_both_errors(cell)) {
+            continue;
+        }
+        pl_table_add(&table, results->cases[cell->test_case].name);
+        pl_table_add(&table, results->configurations[cell->configuration].name);
+        pl_table_add(&table, rule.state == PL_METRIC_TEXT ? rule.text : "not detected");
+        add_metric(cell, PL_METRIC_REFERENCE_ERROR, &table);
+        add_metric(cell, PL_METRIC_DISCRETE_ERROR, &table);
     }
     if (pl_table_rows(&table) > 0) {
         add_heading(out, "Time stepping and contact");
@@ -356,24 +357,24 @@ static void add_time_stepping(const pl_result_matrix *matrix, pl_text_buffer *ou
 
 /* ---- Published numbers ---- */
 
-static bool has_every_case(const pl_suite *suite, const pl_result_matrix *matrix)
+static bool has_every_case(const pl_suite *suite, const pl_result_table *results)
 {
     bool complete = true;
     for (int i = 0; i < suite->entry_count && complete; ++i) {
         complete = false;
-        for (int k = 0; k < matrix->case_count && !complete; ++k) {
-            complete = pl_case_is_entry(&matrix->cases[k], &suite->entries[i]);
+        for (int k = 0; k < results->case_count && !complete; ++k) {
+            complete = pl_case_is_entry(&results->cases[k], &suite->entries[i]);
         }
     }
     return complete;
 }
 
 /* Adds a row for each case of an entry, with the verdict below each engine's value. */
-static void add_published_rows(const pl_result_matrix *matrix, const pl_suite_entry *entry,
+static void add_published_rows(const pl_result_table *results, const pl_suite_entry *entry,
                                int metric, pl_table *table)
 {
-    for (int i = 0; i < matrix->case_count; ++i) {
-        const pl_case *test_case = &matrix->cases[i];
+    for (int i = 0; i < results->case_count; ++i) {
+        const pl_result_case *test_case = &results->cases[i];
         char text[PL_METRIC_TEXT_SIZE];
         if (!pl_case_is_entry(test_case, entry)) {
             continue;
@@ -381,39 +382,41 @@ static void add_published_rows(const pl_result_matrix *matrix, const pl_suite_en
         pl_format_given(entry->published, pl_metric_table[metric].unit, text);
         pl_table_add(table, test_case->name);
         pl_table_add(table, text);
-        for (int k = 0; k < matrix->column_count; ++k) {
-            const pl_cell *cell = &test_case->cells[k];
-            const char *bold = cell->verdict == PL_VERDICT_ACCURATE ? "" : "**";
+        for (int k = 0; k < results->configuration_count; ++k) {
+            const pl_result_cell *cell = pl_result_case_cell(test_case, k);
+            const bool is_marked = cell != NULL && cell->worst->verdict != PL_VERDICT_ACCURATE;
             char verdict[PL_CELL_VERDICT_SIZE];
             pl_text_buffer markup = {0};
             pl_cell_verdict(cell, verdict);
-            if (cell->result != NULL) {
-                pl_metric_text(&cell->metrics[metric], text);
+            if (cell != NULL) {
+                const pl_metric_summary summary = pl_result_cell_metric(cell, metric);
+                pl_metric_text(&summary, text);
                 pl_text_add_markdown(&markup, text);
-                pl_text_format(&markup, "<br>%s", bold);
+                pl_text_add(&markup, "<br>");
             }
+            pl_text_add(&markup, is_marked ? "**" : "");
             pl_text_add_markdown(&markup, verdict);
-            pl_text_add(&markup, cell->result != NULL ? bold : "");
+            pl_text_add(&markup, is_marked ? "**" : "");
             add_markup(table, &markup);
         }
     }
 }
 
 /* Adds the numbers that others published, for suites of which every case was run. Markdown only. */
-static void add_published(const pl_result_matrix *matrix, pl_text_buffer *out)
+static void add_published(const pl_result_table *results, pl_text_buffer *out)
 {
     int count = 0;
     const pl_suite *suites = pl_suites(&count);
     for (int s = 0; s < count; ++s) {
         const pl_suite *suite = &suites[s];
         pl_table table = {0};
-        if (suite->published_metric == NULL || !has_every_case(suite, matrix)) {
+        if (suite->published_metric == NULL || !has_every_case(suite, results)) {
             continue;
         }
         pl_table_columns(&table, "Case|>Published");
-        add_engine_columns(matrix, &table);
+        add_engine_columns(results, &table);
         for (int i = 0; i < suite->entry_count; ++i) {
-            add_published_rows(matrix, &suite->entries[i],
+            add_published_rows(results, &suite->entries[i],
                                pl_metric_by_name(suite->published_metric), &table);
         }
         pl_text_add(out, "## Next to published numbers: ");
@@ -428,16 +431,16 @@ static void add_published(const pl_result_matrix *matrix, pl_text_buffer *out)
 
 /* ---- Settings, failed runs and metrics ---- */
 
-static void add_settings(const pl_result_matrix *matrix, pl_text_buffer *out)
+static void add_settings(const pl_result_table *results, pl_text_buffer *out)
 {
     pl_table table = {0};
     pl_table_columns(&table, "Engine|Version|Conformance|Settings");
-    for (int i = 0; i < matrix->column_count; ++i) {
+    for (int i = 0; i < results->configuration_count; ++i) {
         pl_text_buffer settings = {0}, known = {0};
-        pl_result_matrix_settings(matrix, i, &settings);
-        pl_conformance_text(matrix, i, &known);
-        pl_table_add(&table, matrix->columns[i].name);
-        pl_table_add(&table, matrix->columns[i].version);
+        pl_add_settings(results, i, &settings);
+        pl_conformance_text(results, i, &known);
+        pl_table_add(&table, results->configurations[i].name);
+        pl_table_add(&table, results->configurations[i].version);
         pl_table_add(&table, known.data == NULL ? "" : known.data);
         pl_table_add(&table, settings.data == NULL ? "" : settings.data);
         out->failed |= settings.failed || known.failed;
@@ -453,23 +456,20 @@ static void add_settings(const pl_result_matrix *matrix, pl_text_buffer *out)
     add_table(out, table, 0);
 }
 
-static bool has_failed(const pl_case *test_case, const pl_cell *cell)
-{
-    (void)test_case;
-    return !cell->ok || cell->verdict == PL_VERDICT_FAILED;
-}
-
-static void add_failures(const pl_result_matrix *matrix, pl_text_buffer *out)
+static void add_failures(const pl_result_table *results, pl_text_buffer *out)
 {
     pl_table table = {0};
     pl_table_columns(&table, "Case|Engine|Verdict|Reason");
-    for (int i = 0, k = 0; pl_result_matrix_next(matrix, has_failed, &i, &k); ++k) {
-        const pl_cell *cell = &matrix->cases[i].cells[k];
+    for (int i = 0; i < results->cell_count; ++i) {
+        const pl_result_cell *cell = &results->cells[i];
         const char *why = pl_cell_why(cell);
         pl_text_buffer badge = {0};
+        if (pl_result_cell_is_ok(cell) && cell->worst->verdict != PL_VERDICT_FAILED) {
+            continue;
+        }
         pl_cell_badge(cell, &badge);
-        pl_table_add(&table, matrix->cases[i].name);
-        pl_table_add(&table, matrix->columns[k].name);
+        pl_table_add(&table, results->cases[cell->test_case].name);
+        pl_table_add(&table, results->configurations[cell->configuration].name);
         add_markup(&table, &badge);
         pl_table_add(&table, why[0] != '\0' ? why : "no reason was recorded");
     }
@@ -482,20 +482,20 @@ static void add_failures(const pl_result_matrix *matrix, pl_text_buffer *out)
 
 void pl_report_summary(const pl_report *report, pl_text_buffer *out)
 {
-    const pl_result_matrix *matrix = &report->matrix;
-    add_markdown_head(matrix, out);
+    const pl_result_table *results = report->results;
+    add_markdown_head(results, out);
     add_verdicts(&report->verdicts, out);
     add_losses(&report->losses, out);
     add_our_findings(&report->findings, out);
-    add_warnings(matrix, out);
-    if (matrix->case_count == 0) {
+    add_warnings(results, out);
+    if (results->case_count == 0) {
         add_paragraph(out, "There are no results.");
         return;
     }
-    add_results(matrix, out);
+    add_results(results, out);
     add_findings(&report->findings, out);
-    add_time_stepping(matrix, out);
-    add_published(matrix, out);
-    add_failures(matrix, out);
-    add_settings(matrix, out);
+    add_time_stepping(results, out);
+    add_published(results, out);
+    add_failures(results, out);
+    add_settings(results, out);
 }

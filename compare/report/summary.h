@@ -8,15 +8,15 @@
 
 /* Everything that a report says of results. */
 typedef struct pl_report {
-    pl_result_matrix matrix;
+    const pl_result_table *results;
     pl_verdict_counts verdicts;
     pl_losses losses;
     pl_engine_findings findings;
 } pl_report;
 
-/* Gathers results, which must outlive *report. PL_BAD_INPUT, PL_NO_MEMORY. The caller frees
- * *report, also on failure. */
-pl_status pl_report_build(const json_t *results, pl_report *report, pl_error *error);
+/* Finds what is to be said of results, which must outlive *report. Errors as of pl_engine_findings_find. The caller
+ * frees *report, also on failure. */
+pl_status pl_report_build(const pl_result_table *results, pl_report *report, pl_error *error);
 
 /* Frees the report. */
 void pl_report_free(pl_report *report);

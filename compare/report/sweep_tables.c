@@ -1,6 +1,6 @@
 #include "sweep_tables.h"
 
-#include "number_format.h"
+#include "base/number_format.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,7 +12,7 @@ static const char level_headings[] = "|>1e-1|>1e-2|>1e-3|>1e-4|>1e-5|>1e-6|>1e-7
 
 void pl_sweep_ratio_text(const pl_sweep_ratio *ratio, char text[PL_SWEEP_TEXT_SIZE])
 {
-    char value[PL_NUMBER_SIZE], low[PL_NUMBER_SIZE], high[PL_NUMBER_SIZE];
+    char value[PL_QUANTITY_SIZE], low[PL_QUANTITY_SIZE], high[PL_QUANTITY_SIZE];
     pl_format_ratio(ratio->value, value);
     pl_format_number(ratio->low, "1", low);
     pl_format_number(ratio->high, "1", high);
@@ -25,7 +25,7 @@ void pl_sweep_ratio_text(const pl_sweep_ratio *ratio, char text[PL_SWEEP_TEXT_SI
 
 void pl_sweep_error_text(double error, const char *unit, char text[PL_SWEEP_TEXT_SIZE])
 {
-    char number[PL_NUMBER_SIZE];
+    char number[PL_QUANTITY_SIZE];
     const bool bare = unit[0] == '\0' || strcmp(unit, "1") == 0;
     if (error <= pl_sweep_error_floor) {
         pl_format_power(pl_sweep_error_floor, number);
@@ -126,7 +126,7 @@ static void add_ratio(const pl_sweep_ratio *ratio, const char *otherwise, pl_tab
 static void add_cost_of(const pl_sweep_analysis *analysis, int point, const pl_sweep_curve *curve,
                         pl_table *table)
 {
-    char text[PL_NUMBER_SIZE];
+    char text[PL_QUANTITY_SIZE];
     if (point >= 0) {
         pl_format_number(analysis->points[point].cost, "s", text);
         pl_table_add(table, text);
@@ -149,7 +149,7 @@ pl_table pl_sweep_losses_table(const pl_sweep_analysis *analysis)
     pl_table_columns(&table, "Scene|>Error|Ahead|>its cost|>plumb's cost|>Speed|");
     for (int i = 0; i < analysis->loss_count; ++i) {
         const pl_sweep_loss *loss = &analysis->losses[i];
-        char error[PL_NUMBER_SIZE];
+        char error[PL_QUANTITY_SIZE];
         pl_format_power(pl_sweep_levels[loss->level], error);
         pl_table_add(&table, analysis->scenes[loss->scene].name);
         pl_table_add(&table, error);
@@ -225,7 +225,7 @@ pl_table pl_sweep_orders_table(const pl_sweep_analysis *analysis, int scene)
     pl_table_columns(&table, "Scene|Engine|>Order|Time steps used|>Off fit");
     for (int i = 0; i < analysis->order_count; ++i) {
         const pl_sweep_order *order = &analysis->orders[i];
-        char low[PL_NUMBER_SIZE], high[PL_NUMBER_SIZE];
+        char low[PL_QUANTITY_SIZE], high[PL_QUANTITY_SIZE];
         if (scene >= 0 && order->scene != scene) {
             continue;
         }
@@ -285,7 +285,7 @@ pl_table pl_sweep_failed_table(const pl_sweep_analysis *analysis, int scene)
     pl_table_columns(&table, "Scene|Engine|Time step|Outcome|Reason");
     for (int i = 0, count; i < analysis->point_count; i += count) {
         const pl_sweep_point *point = &analysis->points[i];
-        char first[PL_NUMBER_SIZE], last[PL_NUMBER_SIZE];
+        char first[PL_QUANTITY_SIZE], last[PL_QUANTITY_SIZE];
         count = count_alike(analysis, i);
         if (point->state == PL_SWEEP_OK || (scene >= 0 && point->scene != scene)) {
             continue;
@@ -366,7 +366,7 @@ static void add_setting(const pl_sweep_analysis *analysis, const pl_sweep_curve 
                         pl_table *table)
 {
     const int point = curve->cheapest[level];
-    char step[PL_NUMBER_SIZE];
+    char step[PL_QUANTITY_SIZE];
     if (point < 0) {
         add_not_with(curve, table);
     } else {
@@ -379,7 +379,7 @@ static void add_factors(const pl_sweep_analysis *analysis, const pl_sweep_scene 
                         int level, pl_table *table)
 {
     const pl_sweep_pair *pair = &analysis->pairs[index];
-    char error[PL_NUMBER_SIZE];
+    char error[PL_QUANTITY_SIZE];
     pl_format_power(pl_sweep_levels[level], error);
     pl_table_add(table, scene->name);
     pl_table_add(table, error);

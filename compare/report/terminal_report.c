@@ -1,9 +1,9 @@
 /* The report for a terminal: lines and tables are folded to its width, and nothing is cut off. */
 #include "adapter_trust.h"
 #include "base/folding.h"
+#include "base/number_format.h"
 #include "base/table.h"
 #include "cell_verdict.h"
-#include "number_format.h"
 #include "report.h"
 #include "summary.h"
 
@@ -54,7 +54,7 @@ static void add_our_findings(const pl_engine_findings *findings, const terminal 
         char verdict[PL_CELL_VERDICT_SIZE], line[1600];
         pl_cell_verdict(finding->cell, verdict);
         snprintf(line, sizeof line, "  %.250s, %.250s: %s%s%.600s", finding->test_case->name,
-                 finding->column->name, verdict, why[0] != '\0' ? ": " : "", why);
+                 finding->configuration->name, verdict, why[0] != '\0' ? ": " : "", why);
         add_line(to, red, line);
     }
 }
@@ -78,18 +78,18 @@ static void add_verdicts(const pl_verdict_counts *verdicts, const terminal *to)
 
 static void add_losses(const pl_losses *losses, const terminal *to)
 {
-    if (!losses->ours_present) {
+    if (!losses->home_present) {
         return;
     }
     add_line(to, bold, "Where plumb loses");
     add_text(to, losses->statement.data);
     for (int i = 0; i < losses->count && i < SHOWN_LOSSES; ++i) {
         const pl_loss *loss = &losses->items[i];
-        char metric[PL_LOSS_TEXT_SIZE], ours[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
+        char metric[PL_LOSS_TEXT_SIZE], home[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
         char ratio[PL_LOSS_TEXT_SIZE], line[1600];
-        pl_loss_texts(loss, metric, ours, best, ratio);
+        pl_loss_texts(loss, metric, home, best, ratio);
         snprintf(line, sizeof line, "  %s  %s: %s  %s %s, %s %s", ratio, loss->test_case->name,
-                 metric, loss->ours->name, ours, loss->best->name, best);
+                 metric, loss->home->name, home, loss->best->name, best);
         add_line(to, red, line);
     }
     if (losses->count > SHOWN_LOSSES) {
@@ -98,17 +98,18 @@ static void add_losses(const pl_losses *losses, const terminal *to)
 }
 
 /* Adds what is known of the engines' adapters. */
-static void add_engines(const pl_result_matrix *matrix, const terminal *to)
+static void add_engines(const pl_result_table *results, const terminal *to)
 {
-    if (matrix->column_count == 0) {
+    if (results->configuration_count == 0) {
         return;
     }
     pl_text_add(to->out, "\n");
     add_line(to, bold, "Engines");
-    for (int i = 0; i < matrix->column_count; ++i) {
+    for (int i = 0; i < results->configuration_count; ++i) {
         pl_text_buffer line = {0};
-        pl_text_format(&line, "  %s %s: ", matrix->columns[i].name, matrix->columns[i].version);
-        pl_conformance_text(matrix, i, &line);
+        pl_text_format(&line, "  %s %s: ", results->configurations[i].name,
+                       results->configurations[i].version);
+        pl_conformance_text(results, i, &line);
         add_text(to, line.data == NULL ? "" : line.data);
         to->out->failed |= line.failed;
         pl_text_free(&line);
@@ -135,44 +136,55 @@ static void add_findings(const pl_engine_findings *findings, const terminal *to)
         const char *cause = NULL, *evidence = NULL;
         pl_engine_finding_texts(finding, error, &cause, &evidence);
         snprintf(line, sizeof line, "  %.250s, %.250s: %s: %s", finding->test_case->name,
-                 finding->column->name, error, cause);
+                 finding->configuration->name, error, cause);
         add_text(to, line);
     }
 }
 
-static void add_run(const pl_column *column, const pl_cell *cell, pl_table *table)
+/* Adds a number of a run. */
+static void add_number(const pl_result_configuration *configuration, const pl_result_cell *cell,
+                       pl_metric_id id, pl_table *table)
 {
-    const bool run = cell->result != NULL;
-    pl_table_add(table, column->name);
+    const bool is_time = id == PL_METRIC_TIME_PER_STEP;
+    const pl_metric_summary summary = pl_result_cell_metric(cell, id);
+    char text[PL_CELL_TIME_SIZE];
+    if (is_time) {
+        pl_cell_time_text(configuration, cell, pl_metric_spread_text, text);
+    } else {
+        pl_metric_spread_text(&summary, text);
+    }
+    pl_table_format_cell(table, "%s%s", text,
+                         is_time && configuration->runtime != NULL ? " *" : "");
+}
+
+static void add_run(const pl_result_configuration *configuration, const pl_result_cell *cell,
+                    pl_table *table)
+{
+    const bool run = cell != NULL;
+    pl_table_add(table, configuration->name);
     for (int k = 0; k < NUMBER_COLUMNS; ++k) {
-        const bool is_marked = shown[k] == PL_METRIC_TIME_PER_STEP && column->runtime != NULL;
-        char text[PL_CELL_TIME_SIZE];
-        if (shown[k] == PL_METRIC_TIME_PER_STEP) {
-            pl_cell_time_text(column, cell, pl_metric_spread_text, text);
+        if (run) {
+            add_number(configuration, cell, shown[k], table);
         } else {
-            pl_metric_spread_text(&cell->metrics[shown[k]], text);
+            pl_table_add(table, pl_no_number);
         }
-        pl_table_format_cell(table, "%s%s", run ? text : pl_no_number,
-                             run && is_marked ? " *" : "");
     }
     char verdict[PL_CELL_VERDICT_SIZE];
     const char *why = pl_cell_why(cell);
     pl_cell_verdict(cell, verdict);
     pl_table_format_cell(table, "%s%s%s%.600s", verdict,
-                         run && pl_cell_disagrees(cell) ? " (not deterministic)" : "",
+                         run && cell->disagrees ? " (not deterministic)" : "",
                          why[0] != '\0' ? ": " : "", why);
     pl_table_style(table, pl_cell_style(cell));
 }
 
 /* The largest number of repeats that a number shown is the median of. */
-static int most_repeats(const pl_result_matrix *matrix)
+static int most_repeats(const pl_result_table *results)
 {
     int most = 0;
-    for (int i = 0; i < matrix->case_count * matrix->column_count; ++i) {
-        const pl_cell *cell =
-            &matrix->cases[i / matrix->column_count].cells[i % matrix->column_count];
-        for (int k = 0; k < NUMBER_COLUMNS && cell->result != NULL; ++k) {
-            const int count = cell->metrics[shown[k]].count;
+    for (int i = 0; i < results->cell_count; ++i) {
+        for (int k = 0; k < NUMBER_COLUMNS; ++k) {
+            const int count = pl_result_cell_metric(&results->cells[i], shown[k]).count;
             most = count > most ? count : most;
         }
     }
@@ -180,37 +192,39 @@ static int most_repeats(const pl_result_matrix *matrix)
 }
 
 /* Adds a heading for each case, and a line for each engine below it. */
-static void add_cases(const pl_result_matrix *matrix, const terminal *to)
+static void add_cases(const pl_result_table *results, const terminal *to)
 {
     pl_table table = {.indent = INDENT, .line_width = to->width, .colour = to->colour};
     pl_table_columns(&table, "engine|>error|>penetration|>iterations|>time/step|verdict");
-    for (int i = 0; i < matrix->case_count; ++i) {
-        for (int k = 0; k < matrix->column_count; ++k) {
-            add_run(&matrix->columns[k], &matrix->cases[i].cells[k], &table);
+    for (int i = 0; i < results->case_count; ++i) {
+        for (int k = 0; k < results->configuration_count; ++k) {
+            add_run(&results->configurations[k], pl_result_case_cell(&results->cases[i], k),
+                    &table);
         }
     }
-    for (int i = 0; i < matrix->case_count; ++i) {
-        const pl_case *test_case = &matrix->cases[i];
-        const char *title = test_case->catalogue == NULL ? NULL : test_case->catalogue->title;
-        char line[800], bound[PL_NUMBER_SIZE];
+    for (int i = 0; i < results->case_count; ++i) {
+        const pl_result_case *test_case = &results->cases[i];
+        const char *title =
+            test_case->row->catalogue == NULL ? NULL : test_case->row->catalogue->title;
+        char line[800], bound[PL_QUANTITY_SIZE];
         const char *reason = NULL;
-        const bool is_bounded = pl_case_acceptance(matrix, test_case, bound, &reason);
+        const bool is_bounded = pl_case_acceptance(test_case, bound, &reason);
         snprintf(line, sizeof line, "%s%s%s%s%s%s%s", test_case->name, title != NULL ? ": " : "",
                  title != NULL ? title : "",
-                 test_case->primary_error[0] != '\0' ? "; error = " : "; no reference",
-                 test_case->primary_error, is_bounded ? ", accurate up to " : "",
+                 test_case->row->primary_error[0] != '\0' ? "; error = " : "; no reference",
+                 test_case->row->primary_error, is_bounded ? ", accurate up to " : "",
                  is_bounded ? bound : "");
         pl_text_add(to->out, "\n");
         add_line(to, bold, line);
-        table.first = i * matrix->column_count;
-        table.last = table.first + matrix->column_count;
+        table.first = i * results->configuration_count;
+        table.last = table.first + results->configuration_count;
         pl_table_write(&table, PL_TABLE_TEXT, to->out);
     }
     pl_table_free(&table);
     bool is_marked = false, has_threads = false;
-    for (int i = 0; i < matrix->column_count; ++i) {
-        is_marked = is_marked || matrix->columns[i].runtime != NULL;
-        has_threads = has_threads || matrix->columns[i].threads > 1;
+    for (int i = 0; i < results->configuration_count; ++i) {
+        is_marked = is_marked || results->configurations[i].runtime != NULL;
+        has_threads = has_threads || results->configurations[i].threads > 1;
     }
     if (has_threads) {
         pl_text_add(to->out, "\n");
@@ -224,7 +238,7 @@ static void add_cases(const pl_result_matrix *matrix, const terminal *to)
             to, "* The engine runs in an interpreter or in WebAssembly: its times are not those of "
                 "its native build, and are not ranked.");
     }
-    const int repeats = most_repeats(matrix);
+    const int repeats = most_repeats(results);
     if (repeats > 1) {
         char line[200];
         snprintf(line, sizeof line,
@@ -236,7 +250,7 @@ static void add_cases(const pl_result_matrix *matrix, const terminal *to)
     }
 }
 
-void pl_report_print_table(FILE *out, const json_t *results, bool colour, int width)
+void pl_report_print_table(FILE *out, const pl_result_table *results, bool colour, int width)
 {
     pl_report report;
     pl_text_buffer text = {0};
@@ -246,8 +260,8 @@ void pl_report_print_table(FILE *out, const json_t *results, bool colour, int wi
     if (pl_report_build(results, &report, &error) == PL_OK) {
         add_losses(&report.losses, &to);
         add_our_findings(&report.findings, &to);
-        add_cases(&report.matrix, &to);
-        add_engines(&report.matrix, &to);
+        add_cases(results, &to);
+        add_engines(results, &to);
         add_findings(&report.findings, &to);
         add_verdicts(&report.verdicts, &to);
     } else {

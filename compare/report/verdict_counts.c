@@ -1,5 +1,7 @@
 #include "verdict_counts.h"
 
+#include "base/heap.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,46 +42,32 @@ static int compare_counts(const void *left, const void *right)
     int order = b->runs[PL_VERDICT_ACCURATE] - a->runs[PL_VERDICT_ACCURATE];
     order = order != 0 ? order : a->runs[PL_VERDICT_FAILED] - b->runs[PL_VERDICT_FAILED];
     order = order != 0 ? order : a->runs[PL_VERDICT_INACCURATE] - b->runs[PL_VERDICT_INACCURATE];
-    /* NOLINTNEXTLINE(clang-analyzer-core.*): every item has a column */
-    return order != 0 ? order : strcmp(a->column->name, b->column->name);
+    /* NOLINTNEXTLINE(clang-analyzer-core.*): every item has a configuration */
+    return order != 0 ? order : strcmp(a->configuration->name, b->configuration->name);
 }
 
-static void count_column_of(const pl_result_matrix *matrix, int column, pl_verdict_count *item)
+void pl_verdict_counts_make(const pl_result_table *results, pl_verdict_counts *counts)
 {
-    item->column = &matrix->columns[column];
-    for (int i = 0; i < matrix->case_count; ++i) {
-        const pl_cell *cell = &matrix->cases[i].cells[column];
-        if (cell->result == NULL) {
-            ++item->not_run;
-        } else if (strcmp(cell->outcome, "unsupported") == 0) {
-            ++item->unsupported;
-        } else {
-            ++item->runs[cell->verdict];
-        }
+    *counts =
+        (pl_verdict_counts){.count = results->configuration_count, .cases = results->case_count};
+    counts->items = pl_heap_new((size_t)counts->count, sizeof *counts->items);
+    for (int i = 0; i < counts->count; ++i) {
+        counts->items[i] = (pl_verdict_count){.configuration = &results->configurations[i],
+                                              .not_run = results->case_count};
     }
-}
-
-pl_status pl_verdict_counts_make(const pl_result_matrix *matrix, pl_verdict_counts *counts,
-                                 pl_error *error)
-{
-    *counts = (pl_verdict_counts){.count = matrix->column_count, .cases = matrix->case_count};
-    counts->items = calloc((size_t)matrix->column_count + 1, sizeof *counts->items);
-    if (counts->items == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "no memory for the verdicts");
-    }
-    for (int i = 0; i < matrix->column_count; ++i) {
-        pl_verdict_count *item = &counts->items[i];
-        count_column_of(matrix, i, item);
-        counts->any_judged |=
-            value_of(item, ACCURATE) + value_of(item, INACCURATE) + value_of(item, FAILED) > 0;
+    for (int i = 0; i < results->cell_count; ++i) {
+        const pl_result_row *row = results->cells[i].worst;
+        pl_verdict_count *item = &counts->items[results->cells[i].configuration];
+        const bool is_unsupported = row->outcome == PL_OUTCOME_UNSUPPORTED;
+        --item->not_run;
+        ++*(is_unsupported ? &item->unsupported : &item->runs[row->verdict]);
+        counts->any_judged |= !is_unsupported && row->verdict != PL_VERDICT_UNJUDGED;
     }
     qsort(counts->items, (size_t)counts->count, sizeof *counts->items, compare_counts);
     pl_text_format(&counts->order,
                    "How many of %d %s each engine got right; repeats count once, by the worst. "
                    "Most accurate first, then fewest failed, then fewest inaccurate.",
                    counts->cases, counts->cases == 1 ? "case" : "cases");
-    return counts->order.failed ? pl_fail(error, PL_NO_MEMORY, "no memory for the verdicts")
-                                : PL_OK;
 }
 
 void pl_verdict_counts_free(pl_verdict_counts *counts)
@@ -104,7 +92,7 @@ pl_table pl_verdict_counts_table(const pl_verdict_counts *counts)
     }
     for (int i = 0; i < counts->count; ++i) {
         const pl_verdict_count *item = &counts->items[i];
-        pl_table_add(&table, item->column->name);
+        pl_table_add(&table, item->configuration->name);
         for (int k = 0; k < COLUMN_COUNT; ++k) {
             const int runs = value_of(item, (count_column)k);
             if (shown[k]) {

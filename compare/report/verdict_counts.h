@@ -3,11 +3,11 @@
 #define PLUMB_VERDICT_COUNTS_H
 
 #include "base/table.h"
-#include "result_matrix.h"
+#include "queries.h"
 
 /* The verdicts on one engine configuration. The repeats of a run count once, by the worst. */
 typedef struct pl_verdict_count {
-    const pl_column *column;
+    const pl_result_configuration *configuration;
     int runs[PL_VERDICT_COUNT]; /* of each verdict; those unsupported are not among them */
     int unsupported, not_run;   /* cases */
 } pl_verdict_count;
@@ -22,10 +22,8 @@ typedef struct pl_verdict_counts {
     pl_text_buffer order; /* in words: what is counted, and how the engines are ordered */
 } pl_verdict_counts;
 
-/* Counts the verdicts of a matrix, which must outlive *counts. The caller frees *counts, also on
- * failure. PL_NO_MEMORY. */
-pl_status pl_verdict_counts_make(const pl_result_matrix *matrix, pl_verdict_counts *counts,
-                                 pl_error *error);
+/* Counts the verdicts of results, which must outlive *counts. The caller frees *counts. */
+void pl_verdict_counts_make(const pl_result_table *results, pl_verdict_counts *counts);
 
 /* Frees the counts. */
 void pl_verdict_counts_free(pl_verdict_counts *counts);

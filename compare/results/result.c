@@ -44,6 +44,15 @@ const char *pl_outcome_name(pl_outcome outcome)
     return outcome_names[outcome];
 }
 
+pl_outcome pl_outcome_named(const char *name)
+{
+    int outcome = 0;
+    while (outcome < PL_OUTCOME_COUNT && strcmp(outcome_names[outcome], name) != 0) {
+        ++outcome;
+    }
+    return (pl_outcome)outcome;
+}
+
 static json_t *text_or_null(const char *text)
 {
     return text[0] == '\0' ? json_null() : pl_json_text(text, strlen(text));
@@ -59,6 +68,11 @@ int pl_result_threads(const json_t *result)
 {
     const json_int_t threads = json_integer_value(json_object_get(result, "threads"));
     return threads > 1 && threads < INT_MAX ? (int)threads : 1;
+}
+
+const char *pl_result_text(const json_t *result, const char *object, const char *key)
+{
+    return pl_json_get_text(json_object_get(result, object), key);
 }
 
 double pl_result_metric(const json_t *result, const char *name)
@@ -187,6 +201,9 @@ json_t *pl_run_identity(const pl_run_view *run)
     free(text);
     json_object_set_new(identity, "run", json_string(hash));
     json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
+    if (run->descriptor->edition[0] != '\0') {
+        json_object_set_new(identity, "scene_edition", json_string(run->descriptor->edition));
+    }
     json_object_set_new(identity, "primary_error", json_string(run->primary_error));
     json_object_set_new(identity, "acceptance", pl_json_number_or_null(run->acceptance));
     json_object_set_new(identity, "engine_spec", spec_json(run));

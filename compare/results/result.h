@@ -32,6 +32,9 @@ enum { PL_OUTCOME_COUNT = 7 };
 /* "ok", "collapsed" ... as in the schema. */
 const char *pl_outcome_name(pl_outcome outcome);
 
+/* The outcome of that name; PL_OUTCOME_COUNT: none. */
+pl_outcome pl_outcome_named(const char *name);
+
 /* What identifies a run, and what is known of its engine. Everything is borrowed for the length of
  * a call. */
 typedef struct pl_run_view {
@@ -106,6 +109,9 @@ json_t *pl_pose_to_json(const double pose[PL_POSE_NUMBERS]);
 
 /* The keys host, plumb, command: this machine, this build, this call. */
 json_t *pl_provenance(int argc, char *const *argv);
+
+/* The text `key` of the object `object` of a result; "" when it is absent or not a text. */
+const char *pl_result_text(const json_t *result, const char *object, const char *key);
 
 /* The value of a metric of a result; NAN where it has none. */
 double pl_result_metric(const json_t *result, const char *name);

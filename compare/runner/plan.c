@@ -85,6 +85,19 @@ pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_
     return status;
 }
 
+/* Hashes the scene as the file states it; leaves the edition empty where only other parameters give a scene. */
+static void note_edition(pl_scenario *scenario)
+{
+    double values[PL_MAX_PARAMS];
+    pl_scene scene = pl_scene_default();
+    if (pl_scenario_values(scenario, NULL, 0, values, NULL) != PL_OK ||
+        pl_scenario_build(scenario, values, 0, &scene, NULL) != PL_OK ||
+        pl_scene_hash(&scene, scenario->edition, NULL) != PL_OK) {
+        scenario->edition[0] = '\0';
+    }
+    pl_scene_free(&scene);
+}
+
 pl_status pl_plan_open_file(pl_plan *plan, const char *path, const pl_scenario **scenario,
                             pl_error *error)
 {
@@ -92,6 +105,7 @@ pl_status pl_plan_open_file(pl_plan *plan, const char *path, const pl_scenario *
     pl_status status = pl_scenario_open_file(path, &opened, error);
     if (status == PL_OK) {
         pl_push(&plan->files, &plan->file_count, &opened, sizeof(pl_scenario *));
+        note_edition(opened);
         *scenario = opened;
     }
     return status;

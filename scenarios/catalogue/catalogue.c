@@ -51,7 +51,7 @@ const pl_scenario *pl_scenario_find(const char *name, pl_error *error)
             return scenarios[i];
         }
     }
-    const char *nearest = pl_nearest_name(name, names, SCENARIO_COUNT);
+    const char *nearest = error == NULL ? NULL : pl_nearest_name(name, names, SCENARIO_COUNT);
     if (nearest != NULL) {
         pl_fail(error, PL_BAD_INPUT, "unknown scenario \"%s\"; did you mean \"%s\"?", name,
                 nearest);

@@ -187,13 +187,14 @@ static void test_run_prints_metrics_or_one_object(void **state)
 static void test_results_hold_every_key_of_the_schema(void **state)
 {
     static const char *const keys[] = {
-        "schema",   "run",       "scenario",       "params",         "scene_hash", "primary_error",
-        "engine",   "profile",   "engine_version", "label",          "settings",   "seed",
-        "repeat",   "outcome",   "reason",         "steps",          "metrics",    "final_poses",
-        "output",   "host",      "plumb",          "command",        "started",    "engine_binary",
-        "substeps", "read_back", "engine_spec",    "conformance",    "as_shipped", "acceptance",
-        "note",     "verdict",   "verdict_reason", "engine_runtime", "threads",    "off",
-        "off_count"};
+        "schema",        "run",         "scenario",       "params",         "scene_hash",
+        "primary_error", "engine",      "profile",        "engine_version", "label",
+        "settings",      "seed",        "repeat",         "outcome",        "reason",
+        "steps",         "metrics",     "final_poses",    "output",         "host",
+        "plumb",         "command",     "started",        "engine_binary",  "substeps",
+        "read_back",     "engine_spec", "conformance",    "as_shipped",     "acceptance",
+        "note",          "verdict",     "verdict_reason", "engine_runtime", "threads",
+        "off",           "off_count",   "scene_edition"};
     plumb_output output = call(*state, "run @ --engine % --json -");
     json_t *result = parse(output.out);
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {

@@ -137,24 +137,20 @@ static void test_bounds_of_the_median(void **state)
     (void)state;
     static const int counts[] = {1, 5, 8, 9, 20}, ranks[] = {1, 1, 1, 2, 6};
     for (int i = 0; i < 5; ++i) {
-        json_t *ours = json_array(), *theirs = json_array();
-        pl_gate_sample samples[2][20];
-        for (int k = 0; k < counts[i]; ++k) {
-            json_array_append_new(ours, json_pack("{s:{s:i}}", "m", "value", k + 1));
-            json_array_append_new(theirs, json_pack("{s:{s:i}}", "m", "value", 1));
-            samples[0][k] = (pl_gate_sample){0, k, json_array_get(ours, (size_t)k)};
-            samples[1][k] = (pl_gate_sample){0, k, json_array_get(theirs, (size_t)k)};
+        json_t *results = json_array();
+        for (int k = 0; k < 2 * counts[i]; ++k) {
+            json_t *row = add_run(results, "scene", k % 2 == 0 ? "mine:p" : "ode:quick", "ok");
+            json_object_set_new(row, "repeat", json_integer(k / 2));
+            set_metric(row, "m", metric_value(k % 2 == 0 ? k / 2 + 1 : 1));
         }
-        const pl_gate_row row = {.samples = samples[0], .sample_count = counts[i]};
-        const pl_gate_row reference = {.samples = samples[1], .sample_count = counts[i]};
-        pl_gate_ratio ratio;
-        assert_int_equal(pl_gate_ratio_measure(&row, &reference, "m", &ratio, NULL), PL_OK);
+        pl_result_table *table = table_of(results);
+        const pl_gate_ratio ratio = pl_gate_ratio_measure(&table->cells[0], &table->cells[1], "m");
         assert_int_equal(ratio.repeats, counts[i]);
         assert_close(ratio.value, 0.5 * (counts[i] + 1), 0, 0);
         assert_close(ratio.low, ranks[i], 0, 0);
         assert_close(ratio.high, counts[i] + 1 - ranks[i], 0, 0);
-        json_decref(ours);
-        json_decref(theirs);
+        free_table(table);
+        json_decref(results);
     }
 }
 

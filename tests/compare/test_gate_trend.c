@@ -51,25 +51,23 @@ static void test_trend_needs_repeats_on_both_sides(void **state)
 static void test_repeats_are_paired_within_their_file(void **state)
 {
     (void)state;
-    json_t *metrics = json_array();
-    pl_gate_sample samples[2][6];
-    for (int i = 0; i < 6; ++i) {
-        const double machine = i < 3 ? 1 : 10;
-        for (int engine = 0; engine < 2; ++engine) {
-            json_t *metric = json_pack("{s:{s:f}}", "m", "value", machine * (engine == 0 ? 3 : 1));
-            assert_int_equal(json_array_append_new(metrics, metric), 0);
-            samples[engine][i] =
-                (pl_gate_sample){.file = i / 3, .repeat = i % 3, .metrics = metric};
-        }
+    json_t *files[2] = {json_array(), json_array()};
+    for (int i = 0; i < 12; ++i) {
+        const double machine = i < 6 ? 1 : 10;
+        json_t *row = add_run(files[i / 6], "scene", i % 2 == 0 ? "mine:p" : "ode:quick", "ok");
+        json_object_set_new(row, "repeat", json_integer(i / 2 % 3));
+        json_object_set_new(row, "run", json_integer(i));
+        set_metric(row, "m", metric_value(machine * (i % 2 == 0 ? 3 : 1)));
     }
-    const pl_gate_row row = {.samples = samples[0], .sample_count = 6};
-    const pl_gate_row reference = {.samples = samples[1], .sample_count = 6};
-    pl_gate_ratio ratio;
-    assert_int_equal(pl_gate_ratio_measure(&row, &reference, "m", &ratio, NULL), PL_OK);
+    pl_result_table *table = table_of_two(files[0], files[1], true, NULL);
+    assert_int_equal(table->cell_count, 2);
+    const pl_gate_ratio ratio = pl_gate_ratio_measure(&table->cells[0], &table->cells[1], "m");
     assert_int_equal(ratio.repeats, 6);
     assert_close(ratio.low, 3, 1e-15, 0);
     assert_close(ratio.high, 3, 1e-15, 0);
-    json_decref(metrics);
+    free_table(table);
+    json_decref(files[0]);
+    json_decref(files[1]);
 }
 
 static void test_larger_of_both_tolerances_is_allowed(void **state)
@@ -156,14 +154,15 @@ static void test_results_of_the_later_build_count(void **state)
             json_object_set_new(row, "engine_binary", json_string(later ? "new" : "old"));
             json_object_set_new(row, "started", json_string(later ? "2026-02-02" : "2026-02-01"));
         }
-        const pl_gate_file file = {.path = "made", .results = results};
         const pl_gate_tolerances tolerances = pl_gate_tolerances_default();
+        pl_result_table *table = table_of(results);
         pl_gate_rows rows;
-        assert_int_equal(pl_gate_gather(&file, 1, &tolerances, &rows, NULL), PL_OK);
+        pl_gate_gather(table, &tolerances, &rows);
         assert_int_equal(rows.count, 1);
-        assert_int_equal(rows.items[0].sample_count, 1);
+        assert_int_equal(rows.items[0].cell->count, 1);
         assert_close(json_number_value(json_object_get(rows.items[0].metrics, "drift")), 2, 0, 0);
         pl_gate_rows_free(&rows);
+        free_table(table);
         json_decref(results);
     }
 }

@@ -38,7 +38,7 @@ static const char everything[] =
 static void assert_conformance(const made_report *made, int column, const char *expected)
 {
     pl_text_buffer text = {0};
-    pl_conformance_text(&made->report.matrix, column, &text);
+    pl_conformance_text(made->table, column, &text);
     assert_string_equal(text.data, expected);
     pl_text_free(&text);
 }

@@ -74,7 +74,8 @@ static void test_csv_parses_back_field_for_field(void **state)
                          "lower", "deterministic", 1, "p95", 1.0 / 3, "worst_step", 7));
     set_metric(row, "settle_time", json_pack("{s:n, s:s}", "value", "reason", hostile_text));
     pl_text_buffer out = {0};
-    pl_report_csv(results, &out);
+    pl_result_table *table = table_of(results);
+    pl_report_csv(table, &out);
     const char *at = out.data;
     int columns = read_line(&at, head);
     assert_int_equal(read_line(&at, line), columns);
@@ -99,6 +100,7 @@ static void test_csv_parses_back_field_for_field(void **state)
     assert_string_equal(field_of(head, line, "metric_reason"), hostile_text);
     assert_string_equal(at, "");
     pl_text_free(&out);
+    free_table(table);
     json_decref(results);
 }
 
@@ -111,7 +113,8 @@ static void test_columns_of_numbers_have_no_text(void **state)
     set_metric(row, "drift", json_pack("{s:f}", "value", 0.0));
     set_metric(row, "integrator", json_pack("{s:s}", "value", "mixed"));
     pl_text_buffer out = {0};
-    pl_report_csv(results, &out);
+    pl_result_table *table = table_of(results);
+    pl_report_csv(table, &out);
     const char *at = out.data;
     int columns = read_line(&at, head);
     assert_int_equal(read_line(&at, line), columns);
@@ -123,6 +126,7 @@ static void test_columns_of_numbers_have_no_text(void **state)
     assert_string_equal(field_of(head, line, "value"), "");
     assert_string_equal(field_of(head, line, "value_text"), "mixed");
     pl_text_free(&out);
+    free_table(table);
     json_decref(results);
 }
 
@@ -132,7 +136,8 @@ static void test_csv_has_rows_for_metrics_and_empty_runs(void **state)
     static char head[CSV_COLUMNS][CSV_FIELD], line[CSV_COLUMNS][CSV_FIELD];
     json_t *results = runs_of_every_kind();
     pl_text_buffer out = {0};
-    pl_report_csv(results, &out);
+    pl_result_table *table = table_of(results);
+    pl_report_csv(table, &out);
     size_t expected = 0;
     json_t *row;
     size_t index;
@@ -149,6 +154,7 @@ static void test_csv_has_rows_for_metrics_and_empty_runs(void **state)
     }
     assert_int_equal(lines, expected);
     pl_text_free(&out);
+    free_table(table);
     json_decref(results);
 }
 
@@ -158,7 +164,8 @@ static void test_runs_table_has_a_row_for_each_run(void **state)
     json_t *results = two_runs("creep", 2e-3, 0.1);
     pl_text_buffer out = {0};
     json_object_set_new(json_array_get(results, 1), "reason", json_string("a \"b\", c"));
-    pl_report_runs_csv(results, &out);
+    pl_result_table *table = table_of(results);
+    pl_report_runs_csv(table, &out);
     assert_int_equal(count_of(out.data, "\r\n"), 3);
     assert_before(out.data, "run,scenario,params", ",verdict,verdict_reason,acceptance,");
     assert_contains(out.data, ",creep (m/s),");
@@ -166,6 +173,7 @@ static void test_runs_table_has_a_row_for_each_run(void **state)
     assert_contains(out.data, ",0.1");
     assert_contains(out.data, "\"a \"\"b\"\", c\"");
     pl_text_free(&out);
+    free_table(table);
     json_decref(results);
 }
 

@@ -45,8 +45,11 @@ static void write_file(const char *directory, const char *name, const char *text
 
 static pl_status write_in(const char *directory, json_t *results, pl_error *error)
 {
-    const pl_report_def def = {.directory = directory, .results = results};
-    return pl_report_write(&def, error);
+    pl_result_table *table = table_of(results);
+    const pl_report_def def = {.directory = directory, .results = table};
+    const pl_status status = pl_report_write(&def, error);
+    free_table(table);
+    return status;
 }
 
 static const char *const file_names[] = {"results.csv", "runs.csv", "summary.md", "index.html"};
@@ -75,7 +78,7 @@ static void test_write_makes_its_files_and_nothing_else(void **state)
     made_report made = make_report(results);
     char *html = read_file(directory, "index.html"), *markdown = read_file(directory, "summary.md");
     char *csv = read_file(directory, "results.csv");
-    assert_contains(html, made.report.matrix.columns[0].name);
+    assert_contains(html, made.table->configurations[0].name);
     assert_string_equal(markdown, made.markdown.data);
     assert_non_null(csv);
     free(html);

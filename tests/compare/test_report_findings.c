@@ -40,8 +40,8 @@ static void test_inaccurate_run_is_a_finding(void **state)
     made_report made = make_report(results);
     assert_int_equal(made.report.findings.runs, 4);
     assert_int_equal(made.report.findings.count, 3);
-    assert_string_equal(made.report.findings.items[0].test_case->scenario, "a");
-    assert_string_equal(made.report.findings.items[1].test_case->scenario, "c");
+    assert_string_equal(made.report.findings.items[0].test_case->row->scenario, "a");
+    assert_string_equal(made.report.findings.items[1].test_case->row->scenario, "c");
     assert_contains(made.data, "3 of 4 runs of ode:quick that were judged");
     assert_contains(made.data, "inaccurate, 1.01 % (value_error)");
     assert_contains(made.data, "inaccurate, 50 % (travel_error)");

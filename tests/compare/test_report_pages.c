@@ -1,5 +1,5 @@
 /* The report's tables: the page's data, Markdown and the terminal. */
-#include "report/number_format.h"
+#include "base/number_format.h"
 #include "report/page.h"
 
 #include "check.h"
@@ -32,7 +32,7 @@ static void test_every_case_and_engine_is_in_every_table(void **state)
             assert_contains(texts[t], labels[i]);
         }
         for (int i = 0; i < 9; ++i) {
-            char value[PL_NUMBER_SIZE];
+            char value[PL_QUANTITY_SIZE];
             pl_format_number(1.11e-3 * (1 + i), "", value);
             assert_contains(texts[t], value);
         }

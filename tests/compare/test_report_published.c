@@ -1,5 +1,5 @@
 /* Published numbers next to results made by hand. */
-#include "report/result_matrix.h"
+#include "report/queries.h"
 
 #include "check.h"
 #include "plumb_process.h"
@@ -89,8 +89,8 @@ static void test_other_parameters_are_another_case(void **state)
         json_t *results = json_array();
         add_tower(results, 5, others[i], 0.125, "plumb:fast", "ok");
         made_report made = make_report(results);
-        assert_int_equal(made.report.matrix.case_count, 1);
-        assert_int_equal(pl_case_is_entry(&made.report.matrix.cases[0], entry), same[i]);
+        assert_int_equal(made.table->case_count, 1);
+        assert_int_equal(pl_case_is_entry(&made.table->cases[0], entry), same[i]);
         free_report(&made);
     }
 }
@@ -100,9 +100,9 @@ static void test_unknown_scenarios_match_no_published_case(void **state)
     (void)state;
     made_report made = make_report(runs_of_every_kind());
     const pl_suite *paper = pl_suite_find("paper", NULL);
-    for (int b = 0; b < made.report.matrix.case_count; ++b) {
+    for (int b = 0; b < made.table->case_count; ++b) {
         for (int i = 0; i < paper->entry_count; ++i) {
-            assert_false(pl_case_is_entry(&made.report.matrix.cases[b], &paper->entries[i]));
+            assert_false(pl_case_is_entry(&made.table->cases[b], &paper->entries[i]));
         }
     }
     free_report(&made);

@@ -1,6 +1,6 @@
 /* The spread of repeats on the terminal. */
+#include "base/number_format.h"
 #include "check.h"
-#include "report/number_format.h"
 #include "report_rows.h"
 
 #include <stdlib.h>
@@ -43,7 +43,7 @@ static void test_spread_has_the_places_of_its_number(void **state)
                  {9.99e-6, 0.0996e-6, "s", "9.99 ± 0.10 µs"},
                  {100, 0.0996, "", "100 ± 0.1"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        char text[PL_NUMBER_SIZE];
+        char text[PL_QUANTITY_SIZE];
         pl_format_spread(cases[i].value, cases[i].spread, cases[i].unit, text);
         assert_string_equal(text, cases[i].text);
     }

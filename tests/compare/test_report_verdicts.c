@@ -38,7 +38,7 @@ static void test_engines_are_ordered_by_accuracy_then_failures(void **state)
     char *table = printed_table(made.results, false, 100);
     assert_int_equal(made.report.verdicts.count, 6);
     for (int i = 0; i < 6; ++i) {
-        assert_string_equal(made.report.verdicts.items[i].column->name, expected[i]);
+        assert_string_equal(made.report.verdicts.items[i].configuration->name, expected[i]);
     }
     assert_contains(table, "x:one                1           1       1\n");
     assert_contains(made.markdown.data, "| x:one | 1 | 1 | 1 |\n");

@@ -1,7 +1,7 @@
 /* What the report of a sweep says, and that it says it safely. */
+#include "base/number_format.h"
 #include "check.h"
 #include "plumb_process.h"
-#include "report/number_format.h"
 #include "report/sweep_report.h"
 #include "report/sweep_tables.h"
 #include "report_rows.h"

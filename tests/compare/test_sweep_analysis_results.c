@@ -251,44 +251,6 @@ static void test_order_and_doubles_of_rows_do_not_matter(void **state)
     json_decref(reversed);
 }
 
-static void expect_bad(json_t *results, const char *message)
-{
-    pl_sweep_analysis analysis;
-    pl_error error = {PL_OK, ""};
-    assert_int_equal(pl_sweep_analyse(results, &analysis, &error), PL_BAD_INPUT);
-    assert_contains(error.message, message);
-    finish_sweep(&analysis, results);
-}
-
-static void test_broken_input_is_named(void **state)
-{
-    (void)state;
-    static const char *const keys[] = {"scenario",      "engine", "profile",  "label",  "outcome",
-                                       "primary_error", "params", "settings", "metrics"};
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
-        json_t *results = crossing_sweep();
-        char message[64];
-        json_object_set_new(json_array_get(results, 1), keys[i], json_integer(3));
-        snprintf(message, sizeof message, "results[1].%s: expected a", keys[i]);
-        expect_bad(results, message);
-        results = crossing_sweep();
-        json_object_del(json_array_get(results, 2), keys[i]);
-        snprintf(message, sizeof message, "results[2].%s: expected a", keys[i]);
-        expect_bad(results, message);
-    }
-    json_t *results = crossing_sweep();
-    json_object_set_new(json_object_get(json_array_get(results, 0), "settings"), "dt",
-                        json_real(0));
-    expect_bad(results, "results[0].settings.dt: expected a time step above 0");
-    results = crossing_sweep();
-    json_object_set_new(json_array_get(results, 0), "schema", json_string("plumb.result/9"));
-    expect_bad(results, "results[0].schema: expected \"plumb.result/1\", found \"plumb.result/9\"");
-    results = crossing_sweep();
-    json_array_append_new(results, json_null());
-    expect_bad(results, "results[3]: expected an object");
-    expect_bad(json_object(), "results: expected an array");
-}
-
 static void test_nothing_is_an_empty_analysis(void **state)
 {
     (void)state;
@@ -326,7 +288,6 @@ int main(void)
         cmocka_unit_test(test_order_is_found_over_dt_only),
         cmocka_unit_test(test_instructions_are_for_a_simulated_second),
         cmocka_unit_test(test_order_and_doubles_of_rows_do_not_matter),
-        cmocka_unit_test(test_broken_input_is_named),
         cmocka_unit_test(test_nothing_is_an_empty_analysis),
         cmocka_unit_test(test_several_processors_and_versions_are_noted),
     };

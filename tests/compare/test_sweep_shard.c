@@ -185,7 +185,7 @@ static char *merge_paths(const char *directory, const char *const *names, pl_mer
     char *warnings = NULL;
     size_t length = 0;
     FILE *stream = open_memstream(&warnings, &length);
-    assert_int_equal(pl_merge_begin(merge, NULL), PL_OK);
+    *merge = pl_merge_begin();
     for (int i = 0; names[i] != NULL; ++i) {
         char *path = path_in(directory, names[i]);
         pl_error error = {.message = ""};
@@ -268,9 +268,8 @@ static void test_folder_results_include_its_shards(void **state)
 static void test_what_is_no_result_is_refused(void **state)
 {
     const workspace *f = *state;
-    pl_merge merge;
+    pl_merge merge = pl_merge_begin();
     pl_error error = {.message = ""};
-    assert_int_equal(pl_merge_begin(&merge, NULL), PL_OK);
     char *empty = path_in(f->directory, "empty");
     assert_int_equal(pl_make_directories(empty, NULL), PL_OK);
     assert_int_equal(pl_merge_add(&merge, empty, NULL, &error), PL_BAD_INPUT);

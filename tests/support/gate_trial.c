@@ -11,8 +11,10 @@
 
 trial begin_trial(json_t *old_results, json_t *new_results)
 {
-    return (trial){.old_file = {"old", old_results},
-                   .new_file = {"new", new_results},
+    return (trial){.old_results = old_results,
+                   .new_results = new_results,
+                   .old_table = table_of(old_results),
+                   .new_table = table_of(new_results),
                    .tolerances = pl_gate_tolerances_default()};
 }
 
@@ -33,21 +35,20 @@ void judge(const workspace *w, trial *t)
 {
     pl_error error = {PL_OK, ""};
     char *path = path_in(w->directory, "baseline.json");
-    pl_status status = pl_gate_gather(&t->old_file, 1, &t->tolerances, &t->made, &error);
-    status = status == PL_OK ? pl_gate_ratios_add(&t->made, NULL, &error) : status;
-    status = status == PL_OK ? pl_gate_baseline_write(path, &t->made, &error) : status;
+    pl_gate_gather(t->old_table, &t->tolerances, &t->made);
+    pl_gate_ratios_add(&t->made, NULL);
+    pl_gate_gather(t->new_table, &t->tolerances, &t->now);
+    pl_status status = pl_gate_baseline_write(path, &t->made, &error);
     status = status == PL_OK ? pl_gate_baseline_read(path, &t->before, &error) : status;
-    status =
-        status == PL_OK ? pl_gate_gather(&t->new_file, 1, &t->tolerances, &t->now, &error) : status;
     const pl_gate_inputs in = {.before = &t->before,
                                .now = &t->now,
                                .tolerances = &t->tolerances,
                                .rules = t->rules,
                                .rule_count = t->rule_count};
-    status = status == PL_OK ? pl_gate_judge(&in, &t->verdict, &error) : status;
     if (status != PL_OK) {
         fail_msg("%s", error.message);
     }
+    pl_gate_judge(&in, &t->verdict);
     free(path);
 }
 
@@ -57,8 +58,10 @@ void end_trial(trial *t)
     pl_gate_rows_free(&t->made);
     pl_gate_rows_free(&t->before);
     pl_gate_rows_free(&t->now);
-    json_decref(t->old_file.results);
-    json_decref(t->new_file.results);
+    free_table(t->old_table);
+    free_table(t->new_table);
+    json_decref(t->old_results);
+    json_decref(t->new_results);
 }
 
 void expect(const workspace *w, trial t, int failures, int notices, const char *metric,

@@ -5,10 +5,12 @@
 #include "gate/gather.h"
 #include "gate/judge.h"
 #include "plumb_process.h"
+#include "result_tables.h"
 
 /* Two lists of results, the first of which goes through a baseline file, and the verdict. */
 typedef struct trial {
-    pl_gate_file old_file, new_file;
+    json_t *old_results, *new_results;
+    pl_result_table *old_table, *new_table;
     pl_gate_rows made, before, now;
     pl_gate_tolerances tolerances;
     pl_gate_rule rules[2];

@@ -75,6 +75,9 @@ json_t *runs_of_every_kind(void)
             snprintf(label, sizeof label, "engine%d:p", i);
         }
         json_t *row = add_run(results, "kinds", label, outcomes[i]);
+        if (i == 0) {
+            json_object_set_new(row, "engine_version", json_string(hostile_text));
+        }
         if (i > 0) {
             json_object_set_new(row, "reason", json_string(hostile_text));
         }
@@ -101,9 +104,9 @@ json_t *runs_of_every_kind(void)
 
 made_report make_report(json_t *results)
 {
-    made_report made = {.results = results};
+    made_report made = {.results = results, .table = table_of(results)};
     pl_error error = {PL_OK, ""};
-    if (pl_report_build(results, &made.report, &error) != PL_OK) {
+    if (pl_report_build(made.table, &made.report, &error) != PL_OK) {
         fail_msg("%s", error.message);
     }
     json_t *data = NULL;
@@ -119,6 +122,7 @@ made_report make_report(json_t *results)
 void free_report(made_report *made)
 {
     pl_report_free(&made->report);
+    free_table(made->table);
     free(made->data);
     pl_text_free(&made->markdown);
     json_decref(made->results);
@@ -130,7 +134,9 @@ char *printed_table(const json_t *results, bool colour, int width)
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     assert_non_null(out);
-    pl_report_print_table(out, results, colour, width);
+    pl_result_table *made = table_of(results);
+    pl_report_print_table(out, made, colour, width);
+    free_table(made);
     fclose(out);
     return text;
 }

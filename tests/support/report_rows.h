@@ -3,6 +3,7 @@
 #define PLUMB_TEST_REPORT_ROWS_H
 
 #include "report/summary.h"
+#include "result_tables.h"
 
 /* Markup, quotes, separators and letters that are not ASCII. */
 extern const char hostile_text[];
@@ -28,6 +29,7 @@ json_t *runs_of_every_kind(void);
 
 typedef struct made_report {
     json_t *results;
+    pl_result_table *table;
     pl_report report;
     char *data; /* of the page, as JSON text */
     pl_text_buffer markdown;

@@ -1,6 +1,7 @@
 #include "sweep_analysis_rows.h"
 
 #include "check.h"
+#include "result_tables.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -50,10 +51,7 @@ void add_repeats(json_t *results, sweep_run run, const double *costs, int count)
 pl_sweep_analysis analysis_of(const json_t *results)
 {
     pl_sweep_analysis analysis;
-    pl_error error = {PL_OK, ""};
-    if (pl_sweep_analyse(results, &analysis, &error) != PL_OK) {
-        fail_msg("%s", error.message);
-    }
+    pl_sweep_analyse(table_of(results), &analysis);
     return analysis;
 }
 
@@ -96,6 +94,7 @@ json_t *crossing_sweep(void)
 
 void finish_sweep(pl_sweep_analysis *analysis, json_t *results)
 {
+    free_table(analysis->results);
     pl_sweep_analysis_free(analysis);
     json_decref(results);
 }

@@ -1,6 +1,7 @@
 /* Makes the analysis of a sweep from its parts: noise, curves and performance profiles. */
 #include "analysis_parts.h"
 
+#include "base/heap.h"
 #include "base/statistics.h"
 
 #include <math.h>
@@ -32,9 +33,8 @@ static spread spread_of(const pl_sweep_point *points, int count)
 
 /* Sets the noise of every scene from its points that were repeated; where these are few, from those
  * of all scenes, because the noise is of the machine and not of the engine. */
-static pl_status estimate_noise(pl_sweep_analysis *analysis, pl_error *error)
+static void estimate_noise(pl_sweep_analysis *analysis)
 {
-    (void)error;
     const int enough = 10;
     const spread everywhere = spread_of(analysis->points, analysis->point_count);
     for (int p = 0; p < analysis->scene_count; ++p) {
@@ -43,7 +43,6 @@ static pl_status estimate_noise(pl_sweep_analysis *analysis, pl_error *error)
         const spread *known = own.freedom >= enough ? &own : &everywhere;
         scene->noise = known->freedom > 0 ? sqrt(known->squares / known->freedom) : (double)NAN;
     }
-    return PL_OK;
 }
 
 /* ---- Performance profiles (Dolan and More 2002) ---- */
@@ -88,25 +87,18 @@ static void add_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene *s
 }
 
 /* Finds the performance profile of each level from the curves, for engines and for profiles. */
-static pl_status find_profiles(pl_sweep_analysis *analysis, pl_error *error)
+static void find_profiles(pl_sweep_analysis *analysis)
 {
     const size_t engines = (size_t)analysis->engine_count;
     const size_t scenes = (size_t)analysis->scene_count;
-    analysis->profiles = calloc(2 * PL_SWEEP_LEVELS, sizeof *analysis->profiles);
-    if (analysis->profiles == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for profiles");
-    }
+    analysis->profiles = pl_heap_new(2 * PL_SWEEP_LEVELS, sizeof *analysis->profiles);
     for (int i = 0; i < 2 * PL_SWEEP_LEVELS; ++i) {
         pl_sweep_profile *profile = &analysis->profiles[analysis->profile_count++];
         *profile =
             (pl_sweep_profile){.level = i % PL_SWEEP_LEVELS,
                                .kind = i < PL_SWEEP_LEVELS ? PL_SWEEP_WHOLE : PL_SWEEP_PROFILE,
-                               .counts = calloc(engines + 1, sizeof(int)),
-                               .ratios = calloc(engines * scenes + 1, sizeof(double))};
-        if (profile->counts == NULL || profile->ratios == NULL) {
-            return pl_fail(error, PL_NO_MEMORY, "out of memory for profiles of %zu engines",
-                           engines);
-        }
+                               .counts = pl_heap_new(engines, sizeof(int)),
+                               .ratios = pl_heap_new(engines * scenes, sizeof(double))};
         for (int p = 0; p < analysis->scene_count; ++p) {
             if (belongs(analysis, &analysis->scenes[p], profile->kind)) {
                 add_scene(analysis, &analysis->scenes[p], profile);
@@ -116,7 +108,6 @@ static pl_status find_profiles(pl_sweep_analysis *analysis, pl_error *error)
             pl_sort_numbers(profile->ratios + e * scenes, profile->counts[e]);
         }
     }
-    return PL_OK;
 }
 
 double pl_sweep_share(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
@@ -138,14 +129,11 @@ typedef struct workspace {
     pl_sweep_sample *front;
 } workspace;
 
-static pl_status find_curve(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                            int engine, const workspace *w, pl_error *error)
+static void find_curve(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int engine,
+                       const workspace *w)
 {
     pl_sweep_curve *curve = &scene->curves[engine];
-    curve->front = calloc((size_t)scene->count + 1, sizeof *curve->front);
-    if (curve->front == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d points", scene->count);
-    }
+    curve->front = pl_heap_new((size_t)scene->count, sizeof *curve->front);
     for (int i = scene->first; i < scene->first + scene->count; ++i) {
         const pl_sweep_point *point = &analysis->points[i];
         if (pl_sweep_point_is_of(point, engine)) {
@@ -167,52 +155,38 @@ static pl_status find_curve(const pl_sweep_analysis *analysis, const pl_sweep_sc
         int i = pl_front_most_exact(w->front, curve->front_count, pl_sweep_times[k]);
         curve->most_exact[k] = i < 0 ? -1 : curve->front[i];
     }
-    return PL_OK;
 }
 
-static pl_status find_curves(pl_sweep_analysis *analysis, pl_error *error)
+static void find_curves(pl_sweep_analysis *analysis)
 {
-    const size_t points = (size_t)analysis->point_count + 1;
-    const workspace w = {calloc(points, sizeof *w.samples), calloc(points, sizeof *w.front)};
-    pl_status status = PL_NO_MEMORY;
-    if (w.samples == NULL || w.front == NULL) {
-        goto cleanup;
-    }
+    const size_t points = (size_t)analysis->point_count;
+    const workspace w = {pl_heap_new(points, sizeof *w.samples),
+                         pl_heap_new(points, sizeof *w.front)};
     for (int i = 0; i < analysis->point_count; ++i) {
         w.samples[i] = (pl_sweep_sample){analysis->points[i].cost, analysis->points[i].error};
     }
     for (int p = 0; p < analysis->scene_count; ++p) {
         pl_sweep_scene *scene = &analysis->scenes[p];
         analysis->unjudged += scene->primary_error[0] == '\0';
-        scene->curves = calloc((size_t)analysis->engine_count + 1, sizeof *scene->curves);
-        if (scene->curves == NULL) {
-            goto cleanup;
-        }
+        scene->curves = pl_heap_new((size_t)analysis->engine_count, sizeof *scene->curves);
         for (int e = 0; e < analysis->engine_count; ++e) {
-            if (find_curve(analysis, scene, e, &w, error) != PL_OK) {
-                goto cleanup;
-            }
+            find_curve(analysis, scene, e, &w);
         }
     }
-    status = PL_OK;
-
-cleanup:
     free(w.samples);
     free(w.front);
-    return status == PL_OK ? PL_OK : pl_fail(error, status, "out of memory for curves");
 }
 
-pl_status pl_sweep_analyse(const json_t *results, pl_sweep_analysis *analysis, pl_error *error)
+void pl_sweep_analyse(const pl_result_table *results, pl_sweep_analysis *analysis)
 {
-    static pl_status (*const steps[])(pl_sweep_analysis * analysis, pl_error * error) = {
-        estimate_noise, find_curves,    pl_compare_pairwise,
-        pl_list_losses, pl_orders_find, find_profiles};
     *analysis = (pl_sweep_analysis){.results = results};
-    pl_status status = pl_sweep_gather(results, analysis, error);
-    for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == PL_OK; ++i) {
-        status = steps[i](analysis, error);
-    }
-    return status;
+    pl_sweep_gather(analysis);
+    estimate_noise(analysis);
+    find_curves(analysis);
+    pl_compare_pairwise(analysis);
+    pl_list_losses(analysis);
+    pl_orders_find(analysis);
+    find_profiles(analysis);
 }
 
 void pl_sweep_analysis_free(pl_sweep_analysis *analysis)

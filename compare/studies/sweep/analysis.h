@@ -9,10 +9,8 @@
 #ifndef PLUMB_SWEEP_ANALYSIS_H
 #define PLUMB_SWEEP_ANALYSIS_H
 
-#include "plumb/base.h"
-#include "plumb/scenario.h"
+#include "results/result_table.h"
 
-#include <jansson.h>
 #include <stdint.h>
 
 enum {
@@ -53,11 +51,11 @@ typedef struct pl_sweep_sample {
 
 /* All texts and rows are borrowed from the results. */
 typedef struct pl_sweep_point {
-    const json_t *row; /* the first repeat or change that is not ok, or the first */
+    const json_t *row; /* of the worst repeat or change where that is not ok, else the first */
     int scene;
     int engines[PL_SWEEP_KINDS]; /* indices, by kind; -1: it is not as shipped */
-    int series;                  /* points of one series differ in dt alone */
-    double dt;                   /* s */
+    int configuration; /* of the table: points of a scene that have it in common differ in dt */
+    double dt;         /* s */
     const char *label, *outcome, *reason;
     /* Of the scene, on which the point has its error, or failed; "": the scene itself. */
     const char *change;
@@ -125,9 +123,8 @@ typedef struct pl_pairwise_comparison {
 
 /* A scene with its points, cost-error curves and pairwise comparisons. */
 typedef struct pl_sweep_scene {
-    char name[256]; /* the scenario, with the parameters that are not at their defaults */
-    const pl_scenario *catalogue; /* NULL: a scene file, or unknown to this build */
-    const json_t *row;            /* any of its results */
+    const char *name;  /* the scenario, with the parameters that are not at their defaults */
+    const json_t *row; /* any of its results */
     const char *scenario, *primary_error, *unit;
     int first, count; /* its points */
     double noise;     /* standard deviation of ln(cost) over repeats; NAN: nothing was repeated */
@@ -187,8 +184,8 @@ typedef struct pl_sweep_profile {
 
 /* The analysis of the results of a sweep. `results` is borrowed, the arrays are owned. */
 typedef struct pl_sweep_analysis {
-    const json_t *results;
-    pl_sweep_point *points; /* by scene, engine, series, falling dt */
+    const pl_result_table *results;
+    pl_sweep_point *points; /* by scene, configuration, falling dt */
     int point_count;
     pl_sweep_engine *engines; /* by kind; ours first, then by name */
     int engine_count;
@@ -211,10 +208,8 @@ typedef struct pl_sweep_analysis {
     bool several_builds; /* rows come from different builds or versions of one engine */
 } pl_sweep_analysis;
 
-/* `results` is an array of plumb.result/1 in any order, and must outlive *analysis, which is the
- * same whatever the order. Rows equal in every key count once. PL_BAD_INPUT names the row (from 0)
- * and the key that is missing or of the wrong type. The caller frees *analysis, also on failure. */
-pl_status pl_sweep_analyse(const json_t *results, pl_sweep_analysis *analysis, pl_error *error);
+/* Analyses a table with the runs on changed scenes, which must outlive *analysis. The caller frees *analysis. */
+void pl_sweep_analyse(const pl_result_table *results, pl_sweep_analysis *analysis);
 
 /* Frees all arrays of the analysis. */
 void pl_sweep_analysis_free(pl_sweep_analysis *analysis);
@@ -234,8 +229,7 @@ bool pl_sweep_curve_was_run(const pl_sweep_curve *curve);
 double pl_sweep_share(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
                       int engine, double tau);
 
-/* The analysis as one JSON object, plumb.sweep/1 (SCHEMA.md): a new reference; NULL when out of
- * memory. */
+/* The analysis as one JSON object, plumb.sweep/1 (SCHEMA.md): a new reference. */
 json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis);
 
 #endif

@@ -1,6 +1,8 @@
 /* Lists where the front of another engine is ahead of ours. */
 #include "analysis_parts.h"
 
+#include "base/heap.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -59,16 +61,11 @@ static void note_loss(pl_sweep_analysis *analysis, int p, int pair, int level)
         .within_noise = attained == PL_ATTAINED_BY_BOTH && is_within_noise(speed),
     };
     analysis->fine_losses += is_fine(&loss);
-    analysis->losses[analysis->loss_count++] = loss;
+    pl_push(&analysis->losses, &analysis->loss_count, &loss, sizeof loss);
 }
 
-pl_status pl_list_losses(pl_sweep_analysis *analysis, pl_error *error)
+void pl_list_losses(pl_sweep_analysis *analysis)
 {
-    size_t most = (size_t)analysis->scene_count * (size_t)analysis->pair_count * PL_SWEEP_LEVELS;
-    analysis->losses = calloc(most + 1, sizeof *analysis->losses);
-    if (analysis->losses == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu comparisons", most);
-    }
     for (int p = 0; p < analysis->scene_count; ++p) {
         for (int i = 0; i < analysis->pair_count; ++i) {
             bool whole = analysis->engines[analysis->pairs[i].ours].kind == PL_SWEEP_WHOLE;
@@ -78,6 +75,8 @@ pl_status pl_list_losses(pl_sweep_analysis *analysis, pl_error *error)
             }
         }
     }
-    qsort(analysis->losses, (size_t)analysis->loss_count, sizeof *analysis->losses, compare_losses);
-    return PL_OK;
+    if (analysis->loss_count > 0) {
+        qsort(analysis->losses, (size_t)analysis->loss_count, sizeof *analysis->losses,
+              compare_losses);
+    }
 }

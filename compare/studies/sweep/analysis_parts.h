@@ -4,9 +4,8 @@
 
 #include "analysis.h"
 
-/* Fills scenes, engines and points from the rows of results, each in its order, and the flags of
- * hosts and builds. Errors as of pl_sweep_analyse. */
-pl_status pl_sweep_gather(const json_t *results, pl_sweep_analysis *analysis, pl_error *error);
+/* Fills scenes, engines and points from the table, and the flags of hosts and builds. */
+void pl_sweep_gather(pl_sweep_analysis *analysis);
 
 /* ---- Pareto fronts of cost and error ---- */
 
@@ -41,14 +40,14 @@ void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *re
 /* ---- Our engine against each other one ---- */
 
 /* Fills the pairs with their means, and the comparisons of each scene, from the curves. */
-pl_status pl_compare_pairwise(pl_sweep_analysis *analysis, pl_error *error);
+void pl_compare_pairwise(pl_sweep_analysis *analysis);
 
 /* The middle 95 % of `values`, which are sorted, without those that are NAN; NAN where over 5 %
  * are. Percentile interval, Efron 1981. */
 void pl_bootstrap_interval(double *values, int count, double *low, double *high);
 
 /* Lists the losses from the comparisons. */
-pl_status pl_list_losses(pl_sweep_analysis *analysis, pl_error *error);
+void pl_list_losses(pl_sweep_analysis *analysis);
 
 /* ---- Observed orders of convergence ---- */
 
@@ -62,6 +61,6 @@ pl_status pl_list_losses(pl_sweep_analysis *analysis, pl_error *error);
 void pl_order_fit(const double *dt, const double *error, int count, pl_sweep_order *order);
 
 /* Finds the orders of all series of two time steps or more. */
-pl_status pl_orders_find(pl_sweep_analysis *analysis, pl_error *error);
+void pl_orders_find(pl_sweep_analysis *analysis);
 
 #endif

@@ -1,6 +1,7 @@
 /* Observed orders of convergence: least squares of log error over log dt. */
 #include "analysis_parts.h"
 
+#include "base/heap.h"
 #include "base/statistics.h"
 
 #include <math.h>
@@ -99,30 +100,26 @@ void pl_order_fit(const double *dt, const double *error, int count, pl_sweep_ord
         return;
     }
     segment part = longest_segment(dt, error, count);
-    double *scratch = calloc((size_t)count, sizeof *scratch);
-    order->kind = part.last - part.first < 2 || scratch == NULL ? PL_SWEEP_ORDER_NOT_CONVERGING
-                                                                : PL_SWEEP_ORDER_FOUND;
+    double *scratch = pl_heap_new((size_t)count, sizeof *scratch);
+    order->kind = part.last - part.first < 2 ? PL_SWEEP_ORDER_NOT_CONVERGING : PL_SWEEP_ORDER_FOUND;
     if (order->kind == PL_SWEEP_ORDER_FOUND) {
         fit(dt, error, without_slow_ends(dt, error, part, scratch), order);
     }
     free(scratch);
 }
 
-pl_status pl_orders_find(pl_sweep_analysis *analysis, pl_error *error)
+void pl_orders_find(pl_sweep_analysis *analysis)
 {
     const int count = analysis->point_count;
-    double *dt = calloc((size_t)count + 1, sizeof *dt);
-    double *errors = calloc((size_t)count + 1, sizeof *errors);
-    analysis->orders = calloc((size_t)count + 1, sizeof *analysis->orders);
-    pl_status status = PL_OK;
-    if (dt == NULL || errors == NULL || analysis->orders == NULL) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory for %d points", count);
-        goto cleanup;
-    }
+    double *dt = pl_heap_new((size_t)count, sizeof *dt);
+    double *errors = pl_heap_new((size_t)count, sizeof *errors);
+    analysis->orders = pl_heap_new((size_t)count, sizeof *analysis->orders);
     for (int first = 0, next; first < count; first = next) {
         const pl_sweep_point *point = &analysis->points[first];
         bool is_known = false;
-        for (next = first; next < count && analysis->points[next].series == point->series; ++next) {
+        for (next = first; next < count && analysis->points[next].scene == point->scene &&
+                           analysis->points[next].configuration == point->configuration;
+             ++next) {
             dt[next - first] = analysis->points[next].dt;
             errors[next - first] = analysis->points[next].error;
             is_known = is_known || !isnan(errors[next - first]);
@@ -134,9 +131,6 @@ pl_status pl_orders_find(pl_sweep_analysis *analysis, pl_error *error)
             pl_order_fit(dt, errors, next - first, order);
         }
     }
-
-cleanup:
     free(dt);
     free(errors);
-    return status;
 }

@@ -8,6 +8,7 @@
  * others were run. */
 #include "analysis_parts.h"
 
+#include "base/heap.h"
 #include "base/random.h"
 #include "base/statistics.h"
 
@@ -114,36 +115,30 @@ static void read_front(resampling *d, int engine, pl_front_reading *reading)
     pl_front_read(d->front, count, reading);
 }
 
-static bool prepare(resampling *d)
+static void prepare(resampling *d)
 {
     int most = 1;
     for (int i = 0; i < d->count; ++i) {
         most = d->points[i].sample_count > most ? d->points[i].sample_count : most;
     }
-    size_t count = (size_t)d->count + 1;
-    d->needed = calloc(count, sizeof *d->needed);
-    d->random = calloc(count, sizeof *d->random);
-    d->medians = calloc(count, sizeof *d->medians);
-    d->order = calloc(count, sizeof *d->order);
-    d->front = calloc(count, sizeof *d->front);
-    d->scratch = calloc(2 * (size_t)most, sizeof *d->scratch);
-    return d->needed != NULL && d->random != NULL && d->medians != NULL && d->order != NULL &&
-           d->front != NULL && d->scratch != NULL;
+    const size_t count = (size_t)d->count;
+    d->needed = pl_heap_new(count, sizeof *d->needed);
+    d->random = pl_heap_new(count, sizeof *d->random);
+    d->medians = pl_heap_new(count, sizeof *d->medians);
+    d->order = pl_heap_new(count, sizeof *d->order);
+    d->front = pl_heap_new(count, sizeof *d->front);
+    d->scratch = pl_heap_new(2 * (size_t)most, sizeof *d->scratch);
 }
 
 /* Fills readings (engine_count x PL_BOOTSTRAP_REPLICATES, engine by engine) for the engines that
  * have points on the scene. */
-static pl_status bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                           pl_front_reading *readings, pl_error *error)
+static void bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                      pl_front_reading *readings)
 {
-    pl_status status = PL_OK;
     resampling d = {.points = analysis->points + scene->first,
                     .count = scene->count,
                     .noise = isnan(scene->noise) ? 0 : scene->noise};
-    if (!prepare(&d)) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory to resample %d points", d.count);
-        goto cleanup;
-    }
+    prepare(&d);
     mark_needed(&d);
     for (int i = 0; i < d.count; ++i) {
         d.random[i].state = d.points[i].hash;
@@ -157,15 +152,12 @@ static pl_status bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_sce
             }
         }
     }
-
-cleanup:
     free(d.needed);
     free(d.random);
     free(d.medians);
     free(d.order);
     free(d.front);
     free(d.scratch);
-    return status;
 }
 
 void pl_bootstrap_interval(double *values, int count, double *low, double *high)
@@ -361,66 +353,46 @@ static void link_shipped(const pl_sweep_analysis *analysis, pl_sweep_pair *pair)
     }
 }
 
-static pl_status make_pairs(pl_sweep_analysis *analysis, pl_error *error)
+static void make_pairs(pl_sweep_analysis *analysis)
 {
-    const size_t count = (size_t)analysis->engine_count;
-    analysis->pairs = calloc(count * count + 1, sizeof *analysis->pairs);
-    if (analysis->pairs == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu engines", count);
-    }
     for (int i = 0; i < analysis->engine_count; ++i) {
         for (int k = 0; k < analysis->engine_count; ++k) {
             const pl_sweep_engine *a = &analysis->engines[i], *b = &analysis->engines[k];
             if (a->ours && !b->ours && a->kind == b->kind) {
-                analysis->pairs[analysis->pair_count++] =
-                    (pl_sweep_pair){.ours = i, .other = k, .shipped = -1};
+                const pl_sweep_pair pair = {.ours = i, .other = k, .shipped = -1};
+                pl_push(&analysis->pairs, &analysis->pair_count, &pair, sizeof pair);
             }
         }
     }
     for (int i = 0; i < analysis->pair_count; ++i) {
         link_shipped(analysis, &analysis->pairs[i]);
     }
-    return PL_OK;
 }
 
-pl_status pl_compare_pairwise(pl_sweep_analysis *analysis, pl_error *error)
+void pl_compare_pairwise(pl_sweep_analysis *analysis)
 {
-    pl_status status = make_pairs(analysis, error);
-    if (status != PL_OK) {
-        return status;
-    }
-    const size_t engines = (size_t)analysis->engine_count + 1;
-    const size_t pairs = (size_t)analysis->pair_count + 1;
-    pl_sweep_sample *front = calloc((size_t)analysis->point_count + 1, sizeof *front);
-    workspace a = {.readings = calloc(engines, sizeof *a.readings),
-                   .replicates = calloc(engines * PL_BOOTSTRAP_REPLICATES, sizeof *a.replicates),
-                   .values = calloc(PL_BOOTSTRAP_REPLICATES, sizeof *a.values),
-                   .logs =
-                       calloc(pairs * PL_SWEEP_LEVELS * PL_BOOTSTRAP_REPLICATES, sizeof *a.logs)};
-    if (front == NULL || a.readings == NULL || a.replicates == NULL || a.values == NULL ||
-        a.logs == NULL) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory for %zu pairs of engines", pairs);
-    }
-    for (int p = 0; p < analysis->scene_count && status == PL_OK; ++p) {
+    make_pairs(analysis);
+    const size_t engines = (size_t)analysis->engine_count;
+    const size_t pairs = (size_t)analysis->pair_count;
+    pl_sweep_sample *front = pl_heap_new((size_t)analysis->point_count, sizeof *front);
+    workspace a = {
+        .readings = pl_heap_new(engines, sizeof *a.readings),
+        .replicates = pl_heap_new(engines * PL_BOOTSTRAP_REPLICATES, sizeof *a.replicates),
+        .values = pl_heap_new(PL_BOOTSTRAP_REPLICATES, sizeof *a.values),
+        .logs = pl_heap_new(pairs * PL_SWEEP_LEVELS * PL_BOOTSTRAP_REPLICATES, sizeof *a.logs)};
+    for (int p = 0; p < analysis->scene_count; ++p) {
         pl_sweep_scene *scene = &analysis->scenes[p];
-        scene->comparisons = calloc(pairs, sizeof *scene->comparisons);
-        if (scene->comparisons == NULL) {
-            status = pl_fail(error, PL_NO_MEMORY, "out of memory for %zu pairs of engines", pairs);
-            break;
-        }
+        scene->comparisons = pl_heap_new(pairs, sizeof *scene->comparisons);
         read_as_measured(&a, analysis, scene, front);
-        status = bootstrap(analysis, scene, a.replicates, error);
-        for (int i = 0; i < analysis->pair_count && status == PL_OK; ++i) {
+        bootstrap(analysis, scene, a.replicates);
+        for (int i = 0; i < analysis->pair_count; ++i) {
             compare_pair(&a, analysis, scene, i);
         }
     }
-    if (status == PL_OK) {
-        finish_means(&a, analysis);
-    }
+    finish_means(&a, analysis);
     free(front);
     free(a.readings);
     free(a.replicates);
     free(a.values);
     free(a.logs);
-    return status;
 }

@@ -2,6 +2,7 @@
 #include "shard_merge.h"
 
 #include "base/folding.h"
+#include "base/heap.h"
 #include "results/result.h"
 #include "results/store.h"
 
@@ -14,16 +15,20 @@
 
 enum { MOST_WARNINGS = 10 };
 
-pl_status pl_merge_begin(pl_merge *merge, pl_error *error)
+pl_merge pl_merge_begin(void)
 {
-    *merge = (pl_merge){.results = json_array(), .runs = json_object()};
-    return merge->results == NULL || merge->runs == NULL
-               ? pl_fail(error, PL_NO_MEMORY, "out of memory for results")
-               : PL_OK;
+    return (pl_merge){.results = json_array(), .runs = json_object()};
 }
 
 void pl_merge_free(pl_merge *merge)
 {
+    for (int i = 0; i < merge->source_count; ++i) {
+        const pl_result_file *source = &merge->sources[i];
+        free((char *)source->path);
+        free((int *)source->lines);
+        json_decref((json_t *)source->results);
+    }
+    free(merge->sources);
     json_decref(merge->results);
     json_decref(merge->runs);
     *merge = (pl_merge){.results = NULL};
@@ -85,22 +90,32 @@ static void judge_double(pl_merge *merge, const json_t *first, const json_t *sec
     }
 }
 
-pl_status pl_merge_add_results(pl_merge *merge, json_t *results, FILE *warnings, pl_error *error)
+static void add_results(pl_merge *merge, const char *path, json_t *results, FILE *warnings)
 {
     size_t index;
-    json_t *result;
+    json_t *result, *kept = json_array();
+    int *lines = pl_heap_new(json_array_size(results), sizeof *lines);
     json_array_foreach(results, index, result)
     {
         const char *run = pl_json_get_text(result, "run");
         const json_t *first = json_object_get(merge->runs, run);
         if (first != NULL) {
             judge_double(merge, first, result, warnings);
-        } else if (json_object_set(merge->runs, run, result) != 0 ||
-                   json_array_append(merge->results, result) != 0) {
-            return pl_fail(error, PL_NO_MEMORY, "out of memory for results");
+            continue;
         }
+        json_object_set(merge->runs, run, result);
+        json_array_append(merge->results, result);
+        lines[json_array_size(kept)] = (int)index + 1;
+        json_array_append(kept, result);
     }
-    return PL_OK;
+    const pl_result_file source = {
+        .path = pl_heap_copy(path), .results = kept, .lines = lines, .snapshot = merge->snapshot};
+    pl_push(&merge->sources, &merge->source_count, &source, sizeof source);
+}
+
+void pl_merge_add_results(pl_merge *merge, const char *path, json_t *results)
+{
+    add_results(merge, path, results, NULL);
 }
 
 static pl_status add_file(pl_merge *merge, const char *path, FILE *warnings, pl_error *error)
@@ -109,7 +124,7 @@ static pl_status add_file(pl_merge *merge, const char *path, FILE *warnings, pl_
     pl_status status = pl_results_read(path, &read, NULL, error);
     if (status == PL_OK) {
         merge->files += 1;
-        status = pl_merge_add_results(merge, read, warnings, error);
+        add_results(merge, path, read, warnings);
         json_decref(read);
     }
     return status;
@@ -167,15 +182,14 @@ static bool is_folder(const char *path)
 
 pl_status pl_merge_add(pl_merge *merge, const char *path, FILE *warnings, pl_error *error)
 {
-    if (!is_folder(path)) {
-        return add_file(merge, path, warnings, error);
-    }
     const long before = merge->files;
-    pl_status status = add_folder(merge, path, warnings, error);
+    pl_status status = is_folder(path) ? add_folder(merge, path, warnings, error)
+                                       : add_file(merge, path, warnings, error);
     if (status == PL_OK && merge->files == before) {
         status = pl_fail(error, PL_BAD_INPUT,
                          "%s: has neither a results.jsonl nor shard-*-of-*/results.jsonl", path);
     }
+    ++merge->snapshot;
     return status;
 }
 

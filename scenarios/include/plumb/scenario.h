@@ -77,6 +77,9 @@ typedef struct pl_scenario {
     /* The scene file that the scenes are read from, in place of `build`; NULL: none. The values of its
      * "dt" and "duration" are NAN unless they replace the file's own. */
     const struct pl_scene_file *file;
+    /* Of a scene file that a plan opened: the hash of the scene as the file states it, with its own time step, duration
+     * and parameters. "" elsewhere. */
+    char edition[17];
 } pl_scenario;
 
 /* The features that the scene with default parameters needs: PL_NEEDS_*. 0 when out of memory. */

@@ -65,68 +65,68 @@ static scale scale_of(double value, const char *unit)
     return scales[i];
 }
 
-void pl_format_number(double value, const char *unit, char text[PL_NUMBER_SIZE])
+void pl_format_number(double value, const char *unit, char text[PL_QUANTITY_SIZE])
 {
     if (!isfinite(value)) {
-        snprintf(text, PL_NUMBER_SIZE, "%s", pl_no_number);
+        snprintf(text, PL_QUANTITY_SIZE, "%s", pl_no_number);
         return;
     }
     const scale in = scale_of(value, unit);
     char number[32];
     digits(value / in.factor, number);
-    snprintf(text, PL_NUMBER_SIZE, "%s%s%.40s", number, in.unit[0] == '\0' ? "" : " ", in.unit);
+    snprintf(text, PL_QUANTITY_SIZE, "%s%s%.40s", number, in.unit[0] == '\0' ? "" : " ", in.unit);
 }
 
-void pl_format_spread(double value, double spread, const char *unit, char text[PL_NUMBER_SIZE])
+void pl_format_spread(double value, double spread, const char *unit, char text[PL_QUANTITY_SIZE])
 {
     const scale in = scale_of(value, unit);
     char number[32], around[32];
     digits(value / in.factor, number);
     spread_digits(spread / in.factor, number, around);
-    snprintf(text, PL_NUMBER_SIZE, "%s ± %s%s%.20s", number, around, in.unit[0] == '\0' ? "" : " ",
-             in.unit);
+    snprintf(text, PL_QUANTITY_SIZE, "%s ± %s%s%.20s", number, around,
+             in.unit[0] == '\0' ? "" : " ", in.unit);
 }
 
-void pl_format_given(double value, const char *unit, char text[PL_NUMBER_SIZE])
+void pl_format_given(double value, const char *unit, char text[PL_QUANTITY_SIZE])
 {
     bool bare = strcmp(unit, "1") == 0 || unit[0] == '\0';
     if (!isfinite(value)) {
-        snprintf(text, PL_NUMBER_SIZE, "%s", pl_no_number);
+        snprintf(text, PL_QUANTITY_SIZE, "%s", pl_no_number);
     } else {
-        snprintf(text, PL_NUMBER_SIZE, "%.6g%s%.40s", value, bare ? "" : " ", bare ? "" : unit);
+        snprintf(text, PL_QUANTITY_SIZE, "%.6g%s%.40s", value, bare ? "" : " ", bare ? "" : unit);
     }
 }
 
-void pl_format_ratio(double ratio, char text[PL_NUMBER_SIZE])
+void pl_format_ratio(double ratio, char text[PL_QUANTITY_SIZE])
 {
     if (isinf(ratio)) {
-        snprintf(text, PL_NUMBER_SIZE, "×∞");
+        snprintf(text, PL_QUANTITY_SIZE, "×∞");
         return;
     }
     if (isnan(ratio)) {
-        snprintf(text, PL_NUMBER_SIZE, "%s", pl_no_number);
+        snprintf(text, PL_QUANTITY_SIZE, "%s", pl_no_number);
         return;
     }
     char number[32];
     digits(ratio, number);
-    snprintf(text, PL_NUMBER_SIZE, "×%s", number);
+    snprintf(text, PL_QUANTITY_SIZE, "×%s", number);
 }
 
-void pl_format_power(double value, char text[PL_NUMBER_SIZE])
+void pl_format_power(double value, char text[PL_QUANTITY_SIZE])
 {
     char power[32]; /* "1e-03" */
     snprintf(power, sizeof power, "%.0e", value);
     char *e = strchr(power, 'e');
     int exponent = e == NULL ? 0 : (int)strtol(e + 1, NULL, 10);
-    snprintf(text, PL_NUMBER_SIZE, "%.*se%d", e == NULL ? 8 : (int)(e - power), power, exponent);
+    snprintf(text, PL_QUANTITY_SIZE, "%.*se%d", e == NULL ? 8 : (int)(e - power), power, exponent);
 }
 
-void pl_format_step(double dt, char text[PL_NUMBER_SIZE])
+void pl_format_step(double dt, char text[PL_QUANTITY_SIZE])
 {
     double whole = round(1 / dt);
     if (whole > 1 && whole < 1e6 && fabs(whole * dt - 1) < 1e-12) {
-        snprintf(text, PL_NUMBER_SIZE, "1/%.0f s", whole);
+        snprintf(text, PL_QUANTITY_SIZE, "1/%.0f s", whole);
     } else {
-        snprintf(text, PL_NUMBER_SIZE, "%.6g s", dt);
+        snprintf(text, PL_QUANTITY_SIZE, "%.6g s", dt);
     }
 }

@@ -4,7 +4,7 @@
 
 #include "referee/metrics/metrics.h"
 
-#include <jansson.h>
+struct pl_result_row;
 
 /* Texts are borrowed from the results. */
 typedef struct pl_metric_summary {
@@ -13,20 +13,20 @@ typedef struct pl_metric_summary {
     double min, max, mad;  /* mad: median of |x - median| */
     int count;             /* repeats that have a number */
     const char *text;      /* state TEXT */
-    const char *reason;    /* state FAILED */
+    const char *reason;    /* of the first repeat without a value; NULL: there is none */
     const char *unit;      /* the result's own, or the table's */
     int answer;            /* the number of the nearest of several right answers; 0: none */
-    bool disagrees;        /* a deterministic metric whose repeats differ */
+    bool is_deterministic;
+    bool disagrees; /* a deterministic metric whose repeats differ */
     bool has_percentiles;
     double p50, p95, p99, worst_step; /* medians over repeats */
 } pl_metric_summary;
 
 enum { PL_METRIC_TEXT_SIZE = 160, PL_METRIC_NOTE_SIZE = 640 };
 
-/* Summarises the metric `id` over the `repeats` results of one run, which must outlive the summary;
- * `scratch` has room for `repeats` numbers. */
-pl_metric_summary pl_metric_summarise(const json_t *const *results, int repeats, int id,
-                                      double *scratch);
+/* Summarises the metric of that name over the results of one run, which must outlive the summary. */
+pl_metric_summary pl_metric_summarise(const struct pl_result_row *rows, int count,
+                                      const char *name);
 
 /* Writes the value as in a table; "–" when there is none. */
 void pl_metric_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_SIZE]);

@@ -1,0 +1,158 @@
+/* The one table of results, which the report, the gate and every study read.
+ *
+ * A row is a result. Rows that are runs of one engine configuration on one case are the repeats of a cell. A case
+ * is a scene at a time step; a small change of it is a case of the same scene.
+ *
+ *     results.jsonl ──▶ rows ──▶ scene ⊃ case × configuration ──▶ cell ⊃ repeats
+ *
+ * Results that were continued can be of a scene that was edited since, and of an engine that was built again since.
+ * Within a snapshot (a file, or several that belong together) the newest count, by the time at which they started;
+ * the others are left out and counted. Between snapshots each edition of a scene is a scene, and each build of an
+ * engine a configuration.
+ *
+ * Texts are borrowed from the results. Memory that ends ends the program. */
+#ifndef PLUMB_RESULT_TABLE_H
+#define PLUMB_RESULT_TABLE_H
+
+#include "case_name.h"
+#include "metric_summary.h"
+#include "run_verdict.h"
+
+#include <stdio.h>
+
+/* A result, checked and typed. Texts that are absent are "". */
+typedef struct pl_result_row {
+    const json_t *result;
+    const char *run, *scenario, *scene_hash, *edition, *change, *primary_error;
+    const char *engine, *profile, *label, *spec, *version, *binary, *git, *cpu, *started;
+    const char *reason;             /* why the outcome is not ok */
+    const json_t *params, *metrics; /* params: NULL where it is absent */
+    const pl_scenario *catalogue;   /* NULL: a scene file, or unknown here */
+    pl_outcome outcome;
+    pl_verdict verdict;
+    double dt, duration; /* s */
+    json_int_t seed, repeat;
+    int member;         /* -1: of no ensemble */
+    int file, line;     /* where it is from: the index of the file, and from 1 */
+    int snapshot;       /* of that file */
+    int configuration;  /* index in the table */
+    int catalogue_rank; /* place in the catalogue */
+    char *key;          /* of its scene; the table's own */
+} pl_result_row;
+
+/* An engine with its profile and options, in one build. */
+typedef struct pl_result_configuration {
+    const char *label, *engine, *profile, *version, *git, *binary;
+    const char
+        *runtime;   /* what runs the engine's code; NULL: it is native, and its times are ranked */
+    int threads;    /* that its runs ask for */
+    bool is_home;   /* the report speaks for it */
+    char name[256]; /* the label, with the build where labels alone are not unique */
+} pl_result_configuration;
+
+/* The repeats of a configuration on a case. */
+typedef struct pl_result_cell {
+    int test_case, configuration;
+    const pl_result_row *rows; /* (count): by repeat, then by their start */
+    int count;
+    const pl_result_row *worst; /* the first of the worst repeats: pl_result_row_is_worse */
+    int ok_count;               /* repeats with the outcome ok */
+    bool outcomes_differ;
+    bool hosts_differ;
+    bool disagrees; /* the outcome or a deterministic metric of its repeats differs */
+} pl_result_cell;
+
+/* A scene at a time step, or a change of it. */
+typedef struct pl_result_case {
+    const pl_result_row
+        *row; /* any of its rows: those of a case agree in all that tells cases apart */
+    const pl_result_cell *cells; /* (count): by configuration; only those that were run */
+    int count;
+    int scene;
+    char name
+        [PL_CASE_NAME_SIZE]; /* pl_case_name, with the hash of the scene where that is not unique */
+} pl_result_case;
+
+/* A scenario with its parameters, except for the time step. */
+typedef struct pl_result_scene {
+    const pl_result_row *row; /* any of its rows */
+    const pl_result_case
+        *cases; /* (count): by falling dt; at each dt first the unchanged scene, then by change */
+    int count;
+    char name[PL_CASE_NAME_SIZE]; /* as that of a case, without the time step */
+} pl_result_scene;
+
+/* All of it. Scenes are in the catalogue's order, then by name and parameters. Configurations are by label, those of
+ * the home engine first. */
+typedef struct pl_result_table {
+    pl_result_row *rows; /* (row_count): by cell */
+    int row_count;
+    pl_result_cell *cells; /* (cell_count): by case, then configuration */
+    int cell_count;
+    pl_result_case *cases; /* (case_count): by scene */
+    int case_count;
+    pl_result_scene *scenes;
+    int scene_count;
+    pl_result_configuration *configurations;
+    int configuration_count;
+    int old_scenes, old_builds; /* results that were left out because newer ones count */
+    bool several_hosts;         /* results come from different processors */
+    bool disagrees;             /* those of some cell do */
+} pl_result_table;
+
+/* Results that were read. */
+typedef struct pl_result_file {
+    const char *path;      /* for messages */
+    const json_t *results; /* array of plumb.result/1, borrowed; it outlives the table */
+    const int *lines;      /* of each result, from 1; NULL: they are all lines of the file */
+    int snapshot;          /* files of one number belong together */
+} pl_result_file;
+
+/* What to tabulate. */
+typedef struct pl_result_table_def {
+    const pl_result_file *files; /* (file_count) */
+    int file_count;
+    const char *study; /* runs of the study of that name alone; NULL: of no study */
+    bool has_changes;  /* runs on changed scenes too, which only a sweep asks for */
+    const char
+        *home; /* the label, engine:profile or engine that the report speaks for; NULL: none */
+} pl_result_table_def;
+
+/* Makes the table. Results that are equal in every key count once, and the order of the results has no effect.
+ * PL_BAD_INPUT: FILE:LINE:1: the key that is missing or of the wrong type. The caller frees, also on failure. */
+pl_status pl_result_table_build(const pl_result_table_def *def, pl_result_table *table,
+                                pl_error *error);
+
+/* Frees the table. */
+void pl_result_table_free(pl_result_table *table);
+
+/* Prints how many results were left out, and why; nothing where none were. */
+void pl_result_table_print_left_out(const pl_result_table *table, FILE *out);
+
+/* The rows in the order of their files. The caller frees. */
+const pl_result_row **pl_result_table_by_place(const pl_result_table *table);
+
+/* The results that count of those to tabulate, in the order of their files, for what needs no table: a new array.
+ * Prints what was left out on standard error. Errors as of pl_result_table_build, and *results is then NULL. */
+pl_status pl_results_that_count(const pl_result_table_def *def, json_t **results, pl_error *error);
+
+/* The cell of a configuration on a case; NULL: it was not run. */
+const pl_result_cell *pl_result_case_cell(const pl_result_case *test_case, int configuration);
+
+/* The one rule of the worst repeat. From bad to good: an outcome that is not ok, the verdict failed, inaccurate,
+ * not judged, accurate. */
+bool pl_result_row_is_worse(const pl_result_row *row, const pl_result_row *other);
+
+/* The number of a metric; NAN: none. */
+double pl_result_row_metric(const pl_result_row *row, int id);
+
+/* A metric summarised over the repeats. */
+pl_metric_summary pl_result_cell_metric(const pl_result_cell *cell, int id);
+
+/* Whether the outcome of all repeats is ok. */
+bool pl_result_cell_is_ok(const pl_result_cell *cell);
+
+/* What tells the row's case from others. */
+pl_case_identity pl_result_row_identity(const pl_result_row *row);
+
+#endif
