@@ -48,8 +48,8 @@ compare/runner:              HARNESS adapters engines geometry metrics referee r
 compare/conformance:         HARNESS adapters engines geometry results runner
 compare/studies:             HARNESS adapters engines metrics results runner
 compare/studies/variant:     HARNESS adapters engines
-compare/studies/sweep:       HARNESS adapters engines metrics results runner variant
-compare/studies/tune:        HARNESS adapters engines metrics results runner variant
+compare/studies/sweep:       HARNESS adapters engines metrics results runner variant compare/studies
+compare/studies/tune:        HARNESS adapters engines metrics results runner variant compare/studies
 compare/studies/threshold:   HARNESS engines results runner compare/studies
 compare/studies/ensemble:    HARNESS engines geometry metrics results runner
 compare/studies/reference:   HARNESS adapters engines metrics results runner ensemble

@@ -9,7 +9,6 @@
 #include "studies/sweep/grid.h"
 #include "studies/sweep/pruning.h"
 #include "studies/sweep/shard_merge.h"
-#include "studies/sweep/vary.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,7 +30,7 @@ static pl_status add_vary(void *user, const char *text, pl_error *error)
 {
     options *o = user;
     pl_vary vary;
-    pl_status status = pl_vary_parse(text, &vary, error);
+    pl_status status = pl_vary_parse(text, PL_VARY_VALUES, &vary, error);
     return status == PL_OK ? pl_array_push(&o->varied, &o->varied_count, &vary, sizeof vary, error)
                            : status;
 }

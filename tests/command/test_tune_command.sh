@@ -14,7 +14,7 @@ expect 2 'to what' tower --engine plumb
 expect 2 'did you mean reference_error' tower --engine plumb --target 'reference_eror<=1'
 expect 2 'METRIC<=VALUE' tower --engine plumb --target 'reference_error>=1'
 expect 2 'did you mean slop' tower --engine plumb --target "$target" --vary slip=1..2
-expect 2 'the range is empty' tower --engine plumb --target "$target" --vary slop=1e-3..1e-4
+expect 2 'is empty' tower --engine plumb --target "$target" --vary slop=1e-3..1e-4
 expect 2 '--budget takes an integer' tower --engine plumb --target "$target" --budget 0
 expect 2 'unknown engine|there is no engine' tower --engine plumg --target "$target"
 expect 4 'does not do' slope-stick --engine "$BUILD/faulty_engine.so:refuse" --target "$target"

@@ -10,9 +10,19 @@
 #include "design.h"
 #include "runner/plan.h"
 #include "shard.h"
-#include "vary.h"
+#include "studies/vary.h"
 
-enum { PL_GRID_MOST_RUNS = 100000 };
+enum {
+    PL_GRID_MOST_RUNS = 100000,
+    PL_SWEEP_DEFAULT_REPEATS = 3,
+    PL_SWEEP_DEFAULT_CPU_LIMIT = 3, /* s */
+    PL_SWEEP_DEFAULT_SETTINGS = 20, /* of each engine */
+    PL_SWEEP_DEFAULT_CHANGES = 2    /* of each scene */
+};
+
+/* The time steps of the usual sweep. Coarse ones first: what takes too long there need not be tried
+ * at the others. */
+#define PL_SWEEP_STEPS "dt=1/60,1/120,1/240,1/480,1/960"
 
 /* The grid of a sweep: cases and engines, times all combinations of the varied keys. */
 typedef struct pl_grid_def {
