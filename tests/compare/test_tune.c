@@ -5,8 +5,8 @@
 #include "studies/tune/tune_measure.h"
 #include "studies/tune/tune_search.h"
 #include "studies/tune/tuner.h"
-#include "studies/variant/tunable.h"
-#include "studies/variant/variant.h"
+#include "studies/tunable.h"
+#include "studies/variant.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -7,7 +7,7 @@
 #ifndef PLUMB_SWEEP_GRID_H
 #define PLUMB_SWEEP_GRID_H
 
-#include "design.h"
+#include "drawn_settings.h"
 #include "runner/plan.h"
 #include "shard.h"
 #include "studies/vary.h"
@@ -30,7 +30,7 @@ typedef struct pl_grid_def {
     const pl_vary *varied;
     int varied_count;
     /* Settings that are run besides, each on the cases of its own time step; NULL: none. */
-    const pl_design *design;
+    const pl_drawn_settings *drawn;
     int changes; /* of each scene, at most (pl_variants_swept): on each, every point is run once */
     pl_shard shard;
 } pl_grid_def;

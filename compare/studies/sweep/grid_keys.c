@@ -223,7 +223,8 @@ static pl_status check_key(const pl_grid_def *def, int index, pl_error *error)
     for (int i = 0; i < def->base->configuration_count; ++i) {
         const pl_configuration *configuration = &def->base->configurations[i];
         of_configuration = of_configuration || values_of_configuration(configuration, vary) > 0;
-        owner_is_chosen = owner_is_chosen || pl_vary_is_of(vary, configuration->choice.engine->name);
+        owner_is_chosen =
+            owner_is_chosen || pl_vary_is_of(vary, configuration->choice.engine->name);
     }
     if (of_case && of_configuration) {
         return pl_fail(error, PL_BAD_INPUT,

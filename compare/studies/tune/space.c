@@ -1,7 +1,7 @@
 /* Builds the space of tuned parameters from the table and the user's --vary and --fix. */
 #include "space.h"
 
-#include "studies/variant/tunable.h"
+#include "studies/tunable.h"
 #include "studies/vary.h"
 
 #include <math.h>
@@ -92,8 +92,7 @@ static pl_tune_parameter *place_parameter(pl_tune_space *space, const setting_te
 {
     const int at = find_parameter(space, s->vary.key);
     *is_known = at >= 0;
-    pl_tune_parameter *parameter =
-        &space->parameters[*is_known ? at : space->parameter_count++];
+    pl_tune_parameter *parameter = &space->parameters[*is_known ? at : space->parameter_count++];
     if (!*is_known) {
         *parameter = (pl_tune_parameter){.option = s->index};
         memcpy(parameter->name, s->vary.key, sizeof s->vary.key);
@@ -231,11 +230,11 @@ pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *spac
     *space = (pl_tune_space){.base = *request->engine, .dt = request->dt};
     add_rate(space, request->dt);
     add_table(space);
-    pl_status status = take_settings(space, request->varied, request->varied_count, PL_VARY_RANGE,
-                                     given, error);
+    pl_status status =
+        take_settings(space, request->varied, request->varied_count, PL_VARY_RANGE, given, error);
     if (status == PL_OK) {
-        status = take_settings(space, request->fixed, request->fixed_count, PL_VARY_FIX, given,
-                               error);
+        status =
+            take_settings(space, request->fixed, request->fixed_count, PL_VARY_FIX, given, error);
     }
     for (int i = 0; i < space->parameter_count; ++i) {
         pl_tune_parameter *parameter = &space->parameters[i];

@@ -2,7 +2,7 @@
  * validation. */
 #include "tune.h"
 
-#include "studies/variant/tunable.h"
+#include "studies/tunable.h"
 #include "tuner.h"
 
 #include <math.h>

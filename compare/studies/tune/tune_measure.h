@@ -5,7 +5,8 @@
 
 #include "referee/metrics/metrics.h"
 #include "runner/execute.h"
-#include "studies/variant/variant.h"
+#include "studies/design.h"
+#include "studies/variant.h"
 
 #include <jansson.h>
 
@@ -46,12 +47,6 @@ typedef struct pl_target_reading {
 pl_target_reading pl_target_read(const pl_targets *targets, const json_t *result);
 
 /* ---- Runs ---- */
-
-/* An engine with its options, and the time step. */
-typedef struct pl_setting {
-    pl_engine_choice choice;
-    double dt; /* s; NAN: each scenario's own */
-} pl_setting;
 
 /* The measurements of one setting on one scenario. */
 typedef struct pl_reading {

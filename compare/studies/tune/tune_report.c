@@ -3,7 +3,7 @@
 
 #include "base/folding.h"
 #include "results/result.h"
-#include "studies/variant/tunable.h"
+#include "studies/tunable.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "tuner.h"
 
 #include "base/statistics.h"
-#include "studies/variant/tunable.h"
+#include "studies/tunable.h"
 
 #include <math.h>
 #include <stdio.h>
