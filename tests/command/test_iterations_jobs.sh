@@ -11,7 +11,7 @@ mkfifo meeting
 small_engine meets.so -DMEETS
 small_engine alone.so
 fall=(free-fall --duration 0.5 --iterations-to-tolerance --no-recordings --timeout 60)
-expect 0 'small:one' "${fall[@]}" --engine ./meets.so,label=a --engine ./meets.so,label=b --jobs 2 --out two
+expect 0 ' a ' "${fall[@]}" --engine ./meets.so,label=a --engine ./meets.so,label=b --jobs 2 --out two
 expect 0 'small:one' "${fall[@]}" --engine ./alone.so --out one
 python3 - <<'END' || note_failure "two jobs find something else"
 import json

@@ -206,7 +206,7 @@ static void test_settings_are_the_same_everywhere(void **state)
     pl_configuration one = configuration(0, 0);
     pl_drawn_settings drawn = drawn_of(&one, 1, false);
     const double *first = drawn.items[0].choice.values;
-    assert_true(first[A] == 0.000681 && first[B] == 0.228 && first[C] == 9);
+    assert_true(first[A] == 4.94e-05 && first[B] == 0.171 && first[C] == 193);
     pl_drawn_settings_free(&drawn);
 }
 

@@ -123,7 +123,7 @@ static void test_what_is_wrong_is_said(void **state)
 {
     (void)state;
     static const char *const wrong[][2] = {
-        {"iterations", "takes KEY=VALUES; found \"iterations\""},
+        {"iterations", "takes KEY=VALUES or ENGINE.KEY=VALUES; found \"iterations\""},
         {"=1", "takes KEY=VALUES"},
         {".n=1", "takes KEY=VALUES"},
         {"ode.=1", "takes KEY=VALUES"},
