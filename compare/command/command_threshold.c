@@ -253,7 +253,7 @@ static int run(const pl_call *call)
     } else if (plan.configuration_count == 0) {
         code = pl_call_nothing(call, "there is no engine to search on");
     } else {
-        const pl_study_work work = {&pl_threshold_study, &plan, make_runs};
+        const pl_study_work work = {.study = &pl_threshold_study, .user = &plan, .run = make_runs};
         code = pl_study_command(call, &o.request, &work);
     }
     pl_plan_free(&plan);

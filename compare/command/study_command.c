@@ -64,14 +64,14 @@ static pl_status write_files(const pl_request *request, const pl_study *study,
 }
 
 pl_status pl_study_deliver(const pl_request *request, const pl_study *study, const json_t *results,
-                           const char *folder, pl_error *error)
+                           const char *folder, json_t **conclusion, pl_error *error)
 {
-    json_t *conclusion = NULL;
     pl_document document = {.title = study->name};
-    pl_status status = study->conclude(results, folder, &conclusion, error);
+    *conclusion = NULL;
+    pl_status status = study->conclude(results, folder, conclusion, error);
     if (status == PL_OK) {
-        study->document(conclusion, &document);
-        status = write_files(request, study, conclusion, &document, error);
+        study->document(*conclusion, &document);
+        status = write_files(request, study, *conclusion, &document, error);
     }
     if (status == PL_OK && !pl_is_stdout(request->json)) {
         char *text = pl_document_text(&document, pl_window_width(stdout));
@@ -86,7 +86,6 @@ pl_status pl_study_deliver(const pl_request *request, const pl_study *study, con
                       request->out, study->name);
     }
     pl_document_free(&document);
-    json_decref(conclusion);
     return status;
 }
 
@@ -98,7 +97,7 @@ int pl_study_command(const pl_call *call, const pl_request *request, const pl_st
     char *file = pl_heap_format("%s.json", work->study->name);
     const char *const others[] = {file, NULL};
     json_t *provenance = pl_call_provenance(call, &error);
-    pl_status status = pl_request_outputs(request, NULL, &error);
+    pl_status status = pl_request_outputs(request, work->output, &error);
     if (status == PL_OK) {
         status = pl_store_open(request->out, pl_store_mode_of(request->resume, request->force),
                                others, &store, &error);
@@ -113,8 +112,13 @@ int pl_study_command(const pl_call *call, const pl_request *request, const pl_st
     }
     if (status == PL_OK && signal_number == 0) {
         json_t *results = pl_results_of_study(pl_store_results(store), work->study->name);
-        status = pl_study_deliver(request, work->study, results, request->out, &error);
+        json_t *conclusion = NULL;
         code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
+        status = pl_study_deliver(request, work->study, results, request->out, &conclusion, &error);
+        if (status == PL_OK && work->finish != NULL) {
+            status = work->finish(work->user, conclusion, &code, &error);
+        }
+        json_decref(conclusion);
         json_decref(results);
         if (status == PL_OK) {
             pl_store_finish(store);
@@ -122,5 +126,6 @@ int pl_study_command(const pl_call *call, const pl_request *request, const pl_st
     }
     json_decref(provenance);
     free(file);
-    return pl_call_end_store(call, store, request->out, status, &error, signal_number, code);
+    code = pl_call_end_store(call, store, request->out, status, &error, signal_number, code);
+    return status == PL_UNSUPPORTED ? PL_EXIT_NOTHING : code;
 }

@@ -118,7 +118,6 @@ static pl_status vary(pl_tune_space *space, const setting_text *s, pl_error *err
         parameter->high = floor(1 / low + 0.5);
         parameter->logarithmic = parameter->integer = true;
         parameter->start = isnan(space->dt) ? 60 : 1 / space->dt;
-        space->keeps_dt = false;
         return parameter->low >= 1 && parameter->low < parameter->high
                    ? PL_OK
                    : pl_fail(error, PL_BAD_INPUT, "--vary dt: no two whole rates lie in %g..%g",
@@ -147,7 +146,6 @@ static pl_status fix(pl_tune_space *space, const setting_text *s, pl_error *erro
     }
     if (s->index == PL_TUNE_RATE) {
         space->dt = value;
-        space->keeps_dt = false;
     } else {
         space->base.values[s->index] = value;
     }
@@ -247,23 +245,24 @@ pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *spac
     return status == PL_OK ? check_spec(space, error) : status;
 }
 
-pl_engine_choice pl_tune_choice(const pl_tune_space *space, const double *values, double *dt)
+json_t *pl_tune_values(const pl_tune_space *space, const double *values)
 {
-    pl_engine_choice choice = space->base;
-    *dt = space->dt;
+    json_t *list = json_array();
     for (int i = 0; i < space->parameter_count; ++i) {
-        const pl_tune_parameter *parameter = &space->parameters[i];
-        if (parameter->option == PL_TUNE_RATE) {
-            *dt = 1 / values[i];
-        } else {
-            choice.values[parameter->option] = values[i];
-        }
+        const bool is_rate = space->parameters[i].option == PL_TUNE_RATE;
+        json_array_append_new(list, json_real(is_rate ? 1 / values[i] : values[i]));
     }
-    pl_tune_spec(&choice, choice.spec);
-    return choice;
+    return list;
 }
 
-void pl_tune_value_text(const pl_tune_parameter *parameter, double value, char text[32])
+pl_setting pl_tune_setting(const pl_tune_space *space, const json_t *values)
 {
-    snprintf(text, 32, "%s%.6g", parameter->option == PL_TUNE_RATE ? "1/" : "", value);
+    pl_setting setting = {space->base, space->dt};
+    for (int i = 0; i < space->parameter_count; ++i) {
+        const int option = space->parameters[i].option;
+        *(option == PL_TUNE_RATE ? &setting.dt : &setting.choice.values[option]) =
+            json_number_value(json_array_get(values, (size_t)i));
+    }
+    pl_tune_spec(&setting.choice, setting.choice.spec);
+    return setting;
 }

@@ -113,6 +113,17 @@ bool pl_evaluation_is_better(const pl_evaluation *a, const pl_evaluation *b)
     return a->cost < b->cost;
 }
 
+void pl_search_add(pl_search_result *result, const pl_evaluation *evaluation)
+{
+    result->evaluations[result->count] = *evaluation;
+    if (result->best < 0 ||
+        pl_evaluation_is_better(evaluation, &result->evaluations[result->best])) {
+        result->best = result->count;
+        result->met = evaluation->excess <= 0;
+    }
+    result->count += 1;
+}
+
 /* Evaluates a point that is not in the cache. Returns its index in found->evaluations, or -1 where
  * it could not be evaluated. */
 static int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point)
@@ -127,16 +138,13 @@ static int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point)
     if (place >= 0 || is_over(cache)) {
         return place;
     }
+    evaluation.trial = found->count;
     cache->status = def->measure(def->user, &evaluation, &found->stopped, cache->error);
     if (cache->status != PL_OK || found->stopped) {
         return -1;
     }
-    found->evaluations[found->count] = evaluation;
-    if (found->best < 0 || pl_evaluation_is_better(&evaluation, &found->evaluations[found->best])) {
-        found->best = found->count;
-        found->met = evaluation.excess <= 0;
-    }
-    return found->count++;
+    pl_search_add(found, &evaluation);
+    return found->count - 1;
 }
 
 /* ---- Second stage: NLopt ---- */
