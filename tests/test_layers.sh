@@ -47,14 +47,13 @@ compare/results:             HARNESS engines metrics
 compare/runner:              HARNESS adapters engines geometry metrics referee results
 compare/conformance:         HARNESS adapters engines geometry results runner
 compare/studies:             HARNESS adapters engines metrics results runner
-compare/studies/variant:     HARNESS adapters engines
-compare/studies/sweep:       HARNESS adapters engines metrics results runner variant
-compare/studies/tune:        HARNESS adapters engines metrics results runner variant
+compare/studies/sweep:       HARNESS adapters engines metrics results runner compare/studies
+compare/studies/tune:        HARNESS adapters engines metrics results runner compare/studies
 compare/studies/threshold:   HARNESS engines results runner compare/studies
 compare/studies/ensemble:    HARNESS engines geometry metrics results runner
 compare/studies/reference:   HARNESS adapters engines metrics results runner ensemble
 compare/studies/metamorphic: HARNESS engines geometry results runner
-compare/studies/iterations:  HARNESS adapters engines metrics results runner
+compare/studies/iterations:  HARNESS adapters engines metrics results runner compare/studies
 compare/gate:                HARNESS metrics results
 compare/report:              HARNESS metrics results sweep
 compare/command:             HARNESS engine/include adapters engines metrics results runner STUDIES conformance gate report
@@ -64,7 +63,7 @@ group() {
     case $1 in
     SCENE) echo status.h base.h vec.h scene_data.h scenarios/include scenarios/base ;;
     HARNESS) echo $(group SCENE) compare/base compare/include ;;
-    STUDIES) echo compare/studies variant sweep tune threshold ensemble reference metamorphic iterations ;;
+    STUDIES) echo compare/studies sweep tune threshold ensemble reference metamorphic iterations ;;
     *) echo "$1" ;;
     esac
 }

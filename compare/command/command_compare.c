@@ -35,25 +35,6 @@ typedef struct references {
     int due;         /* cases to judge */
 } references;
 
-/* What the callbacks of runs need. */
-typedef struct keeper {
-    pl_store *store;
-    const pl_plan *plan;
-    const pl_metric *tolerances; /* of pl_tolerance_search */
-} keeper;
-
-static bool has_result(void *user, const char *run)
-{
-    const keeper *k = user;
-    return pl_store_find(k->store, run) != NULL;
-}
-
-static void amend(void *user, json_t *result)
-{
-    const keeper *k = user;
-    pl_tolerance_put(k->plan, k->tolerances, result);
-}
-
 static void print_table(const pl_result_table *results)
 {
     const char *plain = getenv("NO_COLOR");
@@ -106,48 +87,18 @@ static pl_status deliver(const options *o, const json_t *all, json_t *results,
     return status;
 }
 
-/* The searches first, because a row is written whole; then the runs of the plan. */
 static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store, json_t *provenance,
                          const char *recordings, int *signal_number, pl_error *error)
 {
-    keeper k = {.store = store, .plan = plan};
-    pl_execution_def execution = {.plan = plan,
-                                  .jobs = o->request.jobs,
-                                  .limits = o->request.limits,
-                                  .recordings = recordings,
-                                  .provenance = provenance,
-                                  .store = store,
-                                  .progress = stderr,
-                                  .user = &k};
-    if (!o->tolerance) {
-        return pl_execute(&execution, signal_number, error);
-    }
-    pl_progress bar;
-    const pl_tolerance_def def = {.plan = plan,
-                                  .limits = o->request.limits,
-                                  .provenance = provenance,
-                                  .store = store,
-                                  .bar = &bar,
-                                  .user = &k,
-                                  .skip = has_result};
-    long searches = 0;
-    pl_metric *tolerances = NULL;
-    pl_status status = pl_tolerance_most_runs(&def, &searches, error);
-    if (status != PL_OK) {
-        return status;
-    }
-    bar =
-        pl_progress_begin(stderr, searches + pl_execution_due(&execution), pl_monotonic_seconds());
-    execution.bar = &bar;
-    status = pl_tolerance_search(&def, &tolerances, signal_number, error);
-    k.tolerances = tolerances;
-    execution.amend = amend;
-    if (status == PL_OK && *signal_number == 0) {
-        status = pl_execute(&execution, signal_number, error);
-    }
-    pl_progress_end(&bar);
-    free(tolerances);
-    return status;
+    const pl_execution_def execution = {.plan = plan,
+                                        .jobs = o->request.jobs,
+                                        .limits = o->request.limits,
+                                        .recordings = recordings,
+                                        .provenance = provenance,
+                                        .store = store,
+                                        .progress = stderr};
+    return o->tolerance ? pl_tolerance_execute(&execution, signal_number, error)
+                        : pl_execute(&execution, signal_number, error);
 }
 
 /* Makes the folder of recordings, whose path the caller frees; NULL: none are asked for. */

@@ -184,11 +184,13 @@ static pl_status conclude_studies(const pl_request *request, const pl_merge *mer
                                          .file_count = merge->source_count,
                                          .study = studies[i]->name,
                                          .has_changes = true};
-        json_t *own = NULL;
+        json_t *own = NULL, *conclusion = NULL;
         status = pl_results_that_count(&def, &own, error);
         if (status == PL_OK && json_array_size(own) > 0) {
-            status = pl_study_deliver(request, studies[i], own, request->names.items[0], error);
+            status = pl_study_deliver(request, studies[i], own, request->names.items[0],
+                                      &conclusion, error);
         }
+        json_decref(conclusion);
         json_decref(own);
     }
     return status;
@@ -306,8 +308,9 @@ static bool is_study(const pl_request *request, pl_status *status, pl_error *err
         return false;
     }
     char page[PL_STUDY_KIND_SIZE + 8];
-    snprintf(page, sizeof page, "%s.html", kind);
     const pl_study *known = pl_study_find(kind);
+    const char *name = known != NULL ? known->name : kind;
+    snprintf(page, sizeof page, "%s.html", name);
     *status = check_file(request, false, page, error);
     if (*status == PL_OK) {
         *status = pl_make_directories(request->out, error);
@@ -317,7 +320,7 @@ static bool is_study(const pl_request *request, pl_status *status, pl_error *err
                                 : pl_study_page_write(request->out, kind, study, error);
     }
     if (*status == PL_OK) {
-        pl_print_line(stderr, "the page is in %s/%s.html", request->out, kind);
+        pl_print_line(stderr, "the page is in %s/%s.html", request->out, name);
     }
     json_decref(study);
     return true;

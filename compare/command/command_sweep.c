@@ -10,7 +10,6 @@
 #include "studies/sweep/grid.h"
 #include "studies/sweep/pruning.h"
 #include "studies/sweep/shard_merge.h"
-#include "studies/sweep/vary.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -32,7 +31,7 @@ static pl_status add_vary(void *user, const char *text, pl_error *error)
 {
     options *o = user;
     pl_vary vary;
-    pl_status status = pl_vary_parse(text, &vary, error);
+    pl_status status = pl_vary_parse(text, PL_VARY_VALUES, &vary, error);
     return status == PL_OK ? pl_array_push(&o->varied, &o->varied_count, &vary, sizeof vary, error)
                            : status;
 }
@@ -230,17 +229,17 @@ static pl_status add_tuned(pl_plan *base, pl_error *error)
     return status;
 }
 
-/* What the usual sweep varies: the time step, and the settings of a design. */
-static pl_status make_usual(options *o, pl_plan *base, pl_design *design, pl_error *error)
+/* What the usual sweep varies: the time step, and drawn settings. */
+static pl_status make_usual(options *o, pl_plan *base, pl_drawn_settings *drawn, pl_error *error)
 {
     pl_status status = add_vary(o, PL_SWEEP_STEPS, error);
     if (status == PL_OK) {
-        const pl_design_def def = {.plan = base,
-                                   .steps = o->varied[0].numbers,
-                                   .step_count = o->varied[0].count,
-                                   .settings = o->settings,
-                                   .all_profiles = o->request.engines.count == 0};
-        status = pl_design_make(&def, design, error);
+        const pl_draw_def def = {.plan = base,
+                                 .steps = o->varied[0].numbers,
+                                 .step_count = o->varied[0].count,
+                                 .settings = o->settings,
+                                 .all_profiles = o->request.engines.count == 0};
+        *drawn = pl_draw_settings(&def);
     }
     return status == PL_OK ? add_tuned(base, error) : status;
 }
@@ -268,24 +267,24 @@ static pl_status make_plan(const pl_call *call, options *o, pl_shard shard, pl_p
                            pl_error *error)
 {
     const bool is_usual = o->varied_count == 0;
-    pl_design design = {.count = 0};
+    pl_drawn_settings drawn = {.count = 0};
     set_defaults(o, is_usual);
     pl_plan base = {.repeats = o->repeats};
     pl_status status = pl_request_plan(call, &o->request, &base, error);
     if (status == PL_OK && is_usual) {
-        status = make_usual(o, &base, &design, error);
+        status = make_usual(o, &base, &drawn, error);
     }
     if (status == PL_OK) {
         const pl_grid_def def = {.base = &base,
                                  .varied = o->varied,
                                  .varied_count = o->varied_count,
-                                 .design = design.count > 0 ? &design : NULL,
+                                 .drawn = drawn.count > 0 ? &drawn : NULL,
                                  .changes = o->changes,
                                  .shard = shard};
         status = pl_grid_plan(&def, plan, error);
         pl_plan_take_files(plan, &base);
     }
-    pl_design_free(&design);
+    pl_drawn_settings_free(&drawn);
     pl_plan_free(&base);
     return status;
 }
@@ -384,8 +383,8 @@ const pl_command pl_command_sweep = {
         "Runs engines over many settings and prints which is faster at the same error. Without "
         "--vary, the usual sweep: every profile as shipped, and ENGINE:tuned where --profiles has "
         "it, at time steps from 1/60 to 1/960 s by halves; and --settings N of each engine, spread "
-        "over its profiles (those of --engine, or all), its tunable options and these time steps "
-        "by a Latin hypercube, the same on every machine. With --vary, a grid: all combinations of "
+        "over its profiles (those of --engine, or all), its tunable options and these time steps, "
+        "the same on every machine. With --vary, a grid: all combinations of "
         "time steps and scenario parameters, each on all combinations of engines and their "
         "options.\n\n"
         "Engines take turns, and repeats are outermost, so that a machine that slows down is fair "

@@ -1,5 +1,7 @@
 /* plumb threshold: the critical value of a scenario's parameter, bisected on every engine. */
+#include "base/heap.h"
 #include "studies/threshold/threshold.h"
+#include "studies/vary.h"
 #include "study_command.h"
 
 #include <math.h>
@@ -8,9 +10,21 @@
 
 typedef struct options {
     pl_request request;
-    pl_texts varied;  /* --vary NAME[=LOW..HIGH] */
+    pl_vary *varied; /* (varied_count) */
+    int varied_count;
     double tolerance; /* of the parameter; NAN: the scenario's own, else 1e-5 of the range */
 } options;
+
+static pl_status add_vary(void *user, const char *text, pl_error *error)
+{
+    options *o = user;
+    pl_vary vary;
+    const pl_status status = pl_vary_parse(text, PL_VARY_KNOWN_RANGE, &vary, error);
+    if (status == PL_OK) {
+        pl_push(&o->varied, &o->varied_count, &vary, sizeof vary);
+    }
+    return status;
+}
 
 /* An error with the names of those that have one. */
 static pl_status fail_without(const char *what, pl_error *error)
@@ -49,65 +63,44 @@ static pl_status fail_without_parameter(const pl_scenario *file, pl_error *error
 
 /* ---- What is searched for ---- */
 
-/* The name in a text "NAME" or "NAME=...". */
-static void name_of(const char *text, char name[PL_NAME_SIZE])
-{
-    snprintf(name, PL_NAME_SIZE, "%.*s", (int)strcspn(text, "="), text);
-}
-
-/* Reads the range of "NAME=LOW..HIGH". */
-static bool read_range(const char *text, double *low, double *high)
-{
-    char first[64];
-    const char *range = strchr(text, '=');
-    const char *dots = range == NULL ? NULL : strstr(range, "..");
-    if (dots == NULL || dots - range > (ptrdiff_t)sizeof first) {
-        return false;
-    }
-    snprintf(first, sizeof first, "%.*s", (int)(dots - range - 1), range + 1);
-    return pl_parse_number(first, low) && pl_parse_number(dots + 2, high) && *low < *high;
-}
-
 /* Takes the range from --vary, else from the scenario's threshold, else from the parameter. */
-static pl_status find_range(const pl_scenario *scenario, const pl_param *param, const char *text,
+static pl_status find_range(const pl_scenario *scenario, const pl_param *param, const pl_vary *vary,
                             pl_threshold *t, pl_error *error)
 {
-    t->low = isfinite(t->low) ? t->low : param->min;
-    t->high = isfinite(t->high) ? t->high : param->max;
-    if (strchr(text, '=') != NULL && !read_range(text, &t->low, &t->high)) {
-        return pl_fail(error, PL_BAD_INPUT, "--vary %s: expected NAME=LOW..HIGH with LOW < HIGH",
-                       text);
-    }
+    const bool is_given = isfinite(vary->low);
+    t->low = is_given ? vary->low : isfinite(t->low) ? t->low : param->min;
+    t->high = is_given ? vary->high : isfinite(t->high) ? t->high : param->max;
     if (!isfinite(t->low) || !isfinite(t->high)) {
         return pl_fail(error, PL_BAD_INPUT,
                        "--vary %s: %s has no range there: write --vary %s=LOW..HIGH, or give it "
                        "\"low\" and \"high\" in %s",
-                       text, param->name, param->name, scenario->name);
+                       param->name, param->name, param->name, scenario->name);
     }
     if (t->low < param->min || t->high > param->max || param->integer) {
-        return pl_fail(error, PL_BAD_INPUT, "--vary %s: expected %s from %g to %g of %s%s", text,
-                       param->name, param->min, param->max, scenario->name,
+        return pl_fail(error, PL_BAD_INPUT, "--vary %s: expected %s from %g to %g of %s%s",
+                       param->name, param->name, param->min, param->max, scenario->name,
                        param->integer ? ", but it is a whole number" : "");
     }
     return PL_OK;
 }
 
-/* The --vary of a parameter that the scenario has, in *text; NULL: there is none. */
-static pl_status find_varied(const options *o, const pl_scenario *scenario, const char **text,
+static bool has(const pl_scenario *scenario, const pl_vary *vary)
+{
+    return pl_vary_is_of(vary, scenario->name) && pl_scenario_param(scenario, vary->key) >= 0;
+}
+
+/* The --vary of a parameter that the scenario has, in *found; NULL: there is none. */
+static pl_status find_varied(const options *o, const pl_scenario *scenario, const pl_vary **found,
                              pl_error *error)
 {
-    *text = NULL;
-    for (int i = 0; i < o->varied.count; ++i) {
-        char name[PL_NAME_SIZE];
-        name_of(o->varied.items[i], name);
-        if (pl_scenario_param(scenario, name) < 0) {
-            continue;
-        }
-        if (*text != NULL) {
+    *found = NULL;
+    for (int i = 0; i < o->varied_count; ++i) {
+        const pl_vary *vary = &o->varied[i];
+        if (has(scenario, vary) && *found != NULL) {
             return pl_fail(error, PL_BAD_INPUT, "--vary %s: %s has %s, too; one is searched for",
-                           o->varied.items[i], scenario->name, *text);
+                           vary->key, scenario->name, (*found)->key);
         }
-        *text = o->varied.items[i];
+        *found = has(scenario, vary) ? vary : *found;
     }
     return PL_OK;
 }
@@ -116,27 +109,25 @@ static pl_status find_varied(const options *o, const pl_scenario *scenario, cons
 static pl_status aim_at(const options *o, const pl_scenario *scenario, pl_threshold *t,
                         pl_error *error)
 {
-    const char *text = NULL;
-    pl_status status = find_varied(o, scenario, &text, error);
+    const pl_vary *vary = NULL;
+    pl_status status = find_varied(o, scenario, &vary, error);
     *t = (pl_threshold){.param = NULL};
     if (status != PL_OK) {
         return status;
     }
-    if (text == NULL && scenario->threshold != NULL) {
+    if (vary == NULL && scenario->threshold != NULL) {
         *t = *scenario->threshold;
     }
-    if (text != NULL) {
-        char name[PL_NAME_SIZE];
-        name_of(text, name);
-        const pl_param *param = &scenario->params[pl_scenario_param(scenario, name)];
+    if (vary != NULL) {
+        const pl_param *param = &scenario->params[pl_scenario_param(scenario, vary->key)];
         const bool is_own =
-            scenario->threshold != NULL && strcmp(scenario->threshold->param, name) == 0;
+            scenario->threshold != NULL && strcmp(scenario->threshold->param, vary->key) == 0;
         *t = is_own ? *scenario->threshold
                     : (pl_threshold){.param = param->name,
                                      .low = (double)NAN,
                                      .high = (double)NAN,
                                      .either_side = true};
-        status = find_range(scenario, param, text, t, error);
+        status = find_range(scenario, param, vary, t, error);
         t->tolerance = is_own ? t->tolerance : 1e-5 * (t->high - t->low);
     }
     t->tolerance = isnan(o->tolerance) ? t->tolerance : o->tolerance;
@@ -165,11 +156,11 @@ static pl_status check_case(const pl_request *request, const pl_case *test_case,
                        test_case->name);
     }
     for (int k = 0; t->param != NULL && k < request->settings.count; ++k) {
-        char name[PL_NAME_SIZE];
-        name_of(request->settings.items[k], name);
-        if (strcmp(name, t->param) == 0) {
+        const char *setting = request->settings.items[k];
+        const size_t length = strcspn(setting, "=");
+        if (strlen(t->param) == length && strncmp(setting, t->param, length) == 0) {
             return pl_fail(error, PL_BAD_INPUT, "--set %s: %s is what is searched for in %s",
-                           request->settings.items[k], name, test_case->name);
+                           setting, t->param, test_case->name);
         }
     }
     return PL_OK;
@@ -178,25 +169,25 @@ static pl_status check_case(const pl_request *request, const pl_case *test_case,
 /* Every --vary must be of a parameter that some case has. */
 static pl_status check_varied(const options *o, const pl_plan *plan, pl_error *error)
 {
-    for (int i = 0; i < o->varied.count; ++i) {
-        char name[PL_NAME_SIZE], hint[PL_SUGGESTION_SIZE] = "";
+    for (int i = 0; i < o->varied_count; ++i) {
+        const pl_vary *vary = &o->varied[i];
+        char hint[PL_SUGGESTION_SIZE] = "";
         bool is_known = false;
-        name_of(o->varied.items[i], name);
         for (int p = 0; p < plan->case_count && !is_known; ++p) {
             const pl_scenario *scenario = plan->cases[p].descriptor;
             const char *names[PL_MAX_PARAMS];
             for (int k = 0; k < scenario->param_count; ++k) {
                 names[k] = scenario->params[k].name;
             }
-            is_known = pl_scenario_param(scenario, name) >= 0;
+            is_known = has(scenario, vary);
             if (hint[0] == '\0') {
-                pl_did_you_mean(name, names, scenario->param_count, hint);
+                pl_did_you_mean(vary->key, names, scenario->param_count, hint);
             }
         }
         if (!is_known) {
             return pl_fail(error, PL_BAD_INPUT,
-                           "--vary %s: no chosen scenario has the parameter %s%s",
-                           o->varied.items[i], name, hint);
+                           "--vary: no chosen scenario has the parameter %s%s%s%s", vary->owner,
+                           vary->owner[0] == '\0' ? "" : ".", vary->key, hint);
         }
     }
     return PL_OK;
@@ -262,11 +253,11 @@ static int run(const pl_call *call)
     } else if (plan.configuration_count == 0) {
         code = pl_call_nothing(call, "there is no engine to search on");
     } else {
-        const pl_study_work work = {&pl_threshold_study, &plan, make_runs};
+        const pl_study_work work = {.study = &pl_threshold_study, .user = &plan, .run = make_runs};
         code = pl_study_command(call, &o.request, &work);
     }
     pl_plan_free(&plan);
-    free(o.varied.items);
+    free(o.varied);
     pl_request_free(&o.request);
     return code;
 }
@@ -274,9 +265,9 @@ static int run(const pl_call *call)
 static const pl_option OPTIONS[] = {
     {"vary", "NAME[=LOW..HIGH]",
      "Search for the critical value of this parameter, in that range; the range of the scenario's "
-     "threshold, else that of the parameter (low and high in a scene file), need not be given "
-     "(repeatable: one for each scenario)",
-     PL_OPTION_TEXTS, .field = offsetof(options, varied), .values = "NAME=VALUE"},
+     "threshold, else that of the parameter (low and high in a scene file), need not be given; "
+     "SCENARIO.NAME is of that one alone (repeatable: one for each scenario)",
+     PL_OPTION_PARSED, .parse = add_vary, .values = "NAME=VALUE"},
     {"tolerance", "WIDTH",
      "Width of the bracket at which a search ends, in the unit of the parameter (default: that of "
      "the scenario's threshold, else 1e-5 of the range)",

@@ -1,8 +1,9 @@
 /* plumb tune: the cheapest settings of an engine that meet targets on scenarios. */
 #include "base/folding.h"
-#include "request.h"
+#include "base/heap.h"
 #include "results/store.h"
 #include "studies/tune/tune.h"
+#include "study_command.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,90 +39,45 @@ static pl_status check(void *user, pl_error *error)
     return status;
 }
 
-/* The path of the profile that is made: malloc'd; NULL when out of memory. */
-static char *profile_path(const options *o, const pl_tune_space *space)
+/* What a tuning needs to run and to finish. */
+typedef struct work {
+    pl_tune_def def;
+    char *profile; /* path */
+} work;
+
+static pl_status make_runs(void *user, pl_execution_def *how, int *signal_number, pl_error *error)
 {
-    char *path = NULL;
-    return asprintf(&path, "%s/%s.profile.json", o->request.out, space->base.engine->name) < 0
-               ? NULL
-               : path;
+    const work *w = user;
+    return pl_tune_run(&w->def, how, signal_number, error);
 }
 
-static pl_status save_profile(const options *o, const pl_tune_def *def, const pl_tuning *tuning,
-                              pl_error *error)
+/* Saves the settings that meet the targets as a profile. */
+static pl_status finish(void *user, const json_t *conclusion, int *code, pl_error *error)
 {
-    char *path = profile_path(o, def->space);
-    json_t *profile = pl_tune_profile(def, tuning);
-    pl_status status = profile == NULL || path == NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for the profile")
-                           : pl_results_write_json(path, profile, error);
-    if (status == PL_OK) {
-        pl_print_line(stderr, "plumb tune: %s: --engine %s:tuned --profiles %s", path,
-                      def->space->base.engine->spec, path);
+    const work *w = user;
+    if (!json_is_true(json_object_get(conclusion, "met"))) {
+        *code = PL_EXIT_FAILED;
+        return PL_OK;
     }
-    free(path);
+    json_t *profile = pl_tune_profile(conclusion);
+    const pl_status status = pl_results_write_json(w->profile, profile, error);
     json_decref(profile);
-    return status;
-}
-
-static pl_status write_tuning(const options *o, const pl_tune_def *def, const pl_tuning *tuning,
-                              pl_error *error)
-{
-    json_t *json = pl_tune_json(def, tuning);
-    pl_status status = json == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for the outcome")
-                                    : pl_results_write_json(o->request.json, json, error);
-    json_decref(json);
-    if (!pl_is_stdout(o->request.json)) {
-        pl_tune_print(stdout, def, tuning);
-    }
-    return status == PL_OK && tuning->met ? save_profile(o, def, tuning, error) : status;
-}
-
-/* Before any run: whether the outcome can be written. */
-static pl_status open_store(const options *o, const pl_tune_space *space, pl_store **store,
-                            pl_error *error)
-{
-    char *path = profile_path(o, space);
-    pl_status status = pl_request_outputs(&o->request, path, error);
     if (status == PL_OK) {
-        status =
-            pl_store_open(o->request.out, pl_store_mode_of(o->request.resume, o->request.force),
-                          NULL, store, error);
+        pl_print_line(stderr, "plumb tune: %s: --engine %s:tuned --profiles %s", w->profile,
+                      w->def.space->base.engine->spec, w->profile);
     }
-    free(path);
     return status;
 }
 
 static int tune(const pl_call *call, const options *o, const pl_plan *plan,
                 const pl_tune_space *space)
 {
-    pl_error error = {.message = ""};
-    pl_tuning tuning = {.runs = 0};
-    pl_store *store = NULL;
-    json_t *provenance = pl_call_provenance(call, &error);
-    pl_status status = provenance == NULL ? PL_NO_MEMORY : open_store(o, space, &store, &error);
-    const pl_tune_def def = {.plan = plan,
-                             .space = space,
-                             .targets = &o->targets,
-                             .budget = o->budget,
-                             .jobs = o->request.jobs,
-                             .limits = o->request.limits,
-                             .provenance = provenance,
-                             .store = store,
-                             .progress = stderr};
-    if (status == PL_OK) {
-        status = pl_tune(&def, &tuning, &error);
-    }
-    int code = PL_EXIT_OK;
-    if (status == PL_OK && tuning.signal_number == 0) {
-        code = tuning.met ? PL_EXIT_OK : PL_EXIT_FAILED;
-        status = write_tuning(o, &def, &tuning, &error);
-    }
-    const int signal_number = tuning.signal_number;
-    pl_tuning_free(&tuning);
-    json_decref(provenance);
-    code = pl_call_end_store(call, store, o->request.out, status, &error, signal_number, code);
-    return status == PL_UNSUPPORTED ? PL_EXIT_NOTHING : code;
+    work w = {{.plan = plan, .space = space, .targets = &o->targets, .budget = o->budget},
+              pl_heap_format("%s/%s.profile.json", o->request.out, space->base.engine->name)};
+    const pl_study_work study = {&pl_tune_study, &w, make_runs, w.profile, finish};
+    const int code = pl_study_command(call, &o->request, &study);
+    free(w.profile);
+    return code;
 }
 
 /* An engine that cannot be loaded has nothing to tune. */
@@ -181,7 +137,9 @@ static const pl_option OPTIONS[] = {
      "Settings tried by the search, each on all scenarios (default 200); the best settings "
      "are measured and validated afterwards",
      PL_OPTION_INTEGER, .field = offsetof(options, budget), .min = 1, .max = MOST_BUDGET},
-    {"out", NULL, "Where the results and ENGINE.profile.json go (default tune)",
+    {"json", NULL, "Write the conclusion as JSON (- is standard output, in place of text)",
+     .kind = PL_OPTION_HELP},
+    {"out", NULL, "Where the results, the page and ENGINE.profile.json go (default tune)",
      .kind = PL_OPTION_HELP},
     {0}};
 

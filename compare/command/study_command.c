@@ -65,14 +65,14 @@ static pl_status write_files(const pl_request *request, const pl_study *study,
 }
 
 pl_status pl_study_deliver(const pl_request *request, const pl_study *study, const json_t *results,
-                           const char *folder, pl_error *error)
+                           const char *folder, json_t **conclusion, pl_error *error)
 {
-    json_t *conclusion = NULL;
     pl_document document = {.title = study->name};
-    pl_status status = study->conclude(results, folder, &conclusion, error);
+    *conclusion = NULL;
+    pl_status status = study->conclude(results, folder, conclusion, error);
     if (status == PL_OK) {
-        study->document(conclusion, &document);
-        status = write_files(request, study, conclusion, &document, error);
+        study->document(*conclusion, &document);
+        status = write_files(request, study, *conclusion, &document, error);
     }
     if (status == PL_OK && !pl_is_stdout(request->json)) {
         char *text = pl_document_text(&document, pl_window_width(stdout));
@@ -87,7 +87,6 @@ pl_status pl_study_deliver(const pl_request *request, const pl_study *study, con
                       request->out, study->name);
     }
     pl_document_free(&document);
-    json_decref(conclusion);
     return status;
 }
 
@@ -99,7 +98,7 @@ int pl_study_command(const pl_call *call, const pl_request *request, const pl_st
     char *file = pl_heap_format("%s.json", work->study->name);
     const char *const others[] = {file, NULL};
     json_t *provenance = pl_call_provenance(call, &error);
-    pl_status status = pl_request_outputs(request, NULL, &error);
+    pl_status status = pl_request_outputs(request, work->output, &error);
     if (status == PL_OK) {
         status = pl_store_open(request->out, pl_store_mode_of(request->resume, request->force),
                                others, &store, &error);
@@ -117,12 +116,17 @@ int pl_study_command(const pl_call *call, const pl_request *request, const pl_st
         const pl_result_file made = {.path = path, .results = pl_store_results(store)};
         const pl_result_table_def def = {
             .files = &made, .file_count = 1, .study = work->study->name, .has_changes = true};
-        json_t *results = NULL;
+        json_t *results = NULL, *conclusion = NULL;
         status = pl_results_that_count(&def, &results, &error);
-        if (status == PL_OK) {
-            status = pl_study_deliver(request, work->study, results, request->out, &error);
-        }
         code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
+        if (status == PL_OK) {
+            status =
+                pl_study_deliver(request, work->study, results, request->out, &conclusion, &error);
+        }
+        if (status == PL_OK && work->finish != NULL) {
+            status = work->finish(work->user, conclusion, &code, &error);
+        }
+        json_decref(conclusion);
         json_decref(results);
         free(path);
         if (status == PL_OK) {
@@ -131,5 +135,6 @@ int pl_study_command(const pl_call *call, const pl_request *request, const pl_st
     }
     json_decref(provenance);
     free(file);
-    return pl_call_end_store(call, store, request->out, status, &error, signal_number, code);
+    code = pl_call_end_store(call, store, request->out, status, &error, signal_number, code);
+    return status == PL_UNSUPPORTED ? PL_EXIT_NOTHING : code;
 }

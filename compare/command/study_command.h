@@ -13,15 +13,20 @@ typedef struct pl_study_work {
     void *user;
     /* Makes the runs: sets the plan of *how, which has all else, and executes it, in rounds if need be. */
     pl_status (*run)(void *user, pl_execution_def *how, int *signal_number, pl_error *error);
+    const char *output; /* a further file that `finish` writes; NULL: none */
+    /* Does more with the conclusion, and sets the exit code where it is not 0. NULL: nothing. */
+    pl_status (*finish)(void *user, const json_t *conclusion, int *code, pl_error *error);
 } pl_study_work;
 
-/* Makes the runs that are missing, concludes from all that the folder has, and delivers. Returns the exit code. */
+/* Makes the runs that are missing, concludes from all that the folder has, and delivers. Returns the exit code, which
+ * is that of nothing to compare where `run` returned PL_UNSUPPORTED. */
 int pl_study_command(const pl_call *call, const pl_request *request, const pl_study_work *work);
 
 /* Concludes from an array of results of the study, whose files are in `folder`, and writes the files into request->out,
- * --json, and the text on standard output, unless the JSON is there. */
+ * --json, and the text on standard output, unless the JSON is there. *conclusion is a new reference, NULL where there is
+ * none. */
 pl_status pl_study_deliver(const pl_request *request, const pl_study *study, const json_t *results,
-                           const char *folder, pl_error *error);
+                           const char *folder, json_t **conclusion, pl_error *error);
 
 /* Writes DIRECTORY/NAME.html of a conclusion. */
 pl_status pl_study_write_page(const char *directory, const pl_study *study,

@@ -7,7 +7,7 @@
 /* All of them, in the order of reports. Static storage. */
 const pl_study *const *pl_studies(int *count);
 
-/* The study of that name; NULL: none. */
-const pl_study *pl_study_find(const char *name);
+/* The study with conclusions plumb.KIND/1; NULL: none. */
+const pl_study *pl_study_find(const char *kind);
 
 #endif

@@ -1,6 +1,6 @@
 /* A study: it proposes runs, they are made, and from their results follow a conclusion and a document.
  *
- *     options ──propose──▶ plan ──execute──▶ results.jsonl ──conclude──▶ plumb.NAME/1 ──document──▶ text, page …
+ *     options ──propose──▶ plan ──execute──▶ results.jsonl ──conclude──▶ plumb.KIND/1 ──document──▶ text, page …
  *
  * Each run has what the conclusion needs to know of the study in its result, as the object `study`: "name", and the
  * settings of the study. So runs are resumed by their own keys, and `plumb report` concludes again from the results
@@ -16,7 +16,8 @@
 /* A kind of study. */
 typedef struct pl_study {
     const char *name; /* of its command, and of its files NAME.json, NAME.md, NAME.html */
-    /* Makes the conclusion, plumb.NAME/1, from an array of results of the study, oldest first. `folder` has the files
+    const char *kind; /* of its conclusion, plumb.KIND/1 */
+    /* Makes the conclusion from an array of results of the study, oldest first. `folder` has the files
      * that runs left next to results.jsonl. The conclusion is a new reference. PL_BAD_INPUT: a result lacks what the study needs. */
     pl_status (*conclude)(const json_t *results, const char *folder, json_t **conclusion,
                           pl_error *error);

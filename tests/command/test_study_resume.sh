@@ -68,4 +68,13 @@ breaks_off iterations 12 40 i.json compare tower --set n=3 --duration 0.2 --engi
     --iterations-to-tolerance --no-recordings --out iterations --json i.json
 breaks_off tune 40 80 - tune free-fall --duration 0.1 --engine plumb:fast --target 'value_error<=10' \
     --budget 4 --fix dt=1/60
+# A search that is continued takes the same way: each trial has the same values in all its runs.
+python3 - <<'END' || note_failure "tune: the continued search took another way"
+import json
+trials = {}
+for row in map(json.loads, open("tune/tune/results.jsonl")):
+    if row["study"]["values"] is not None and row["study"]["phase"] != "sensitivity":
+        trials.setdefault(row["study"]["trial"], set()).add(tuple(row["study"]["values"]))
+assert sorted(trials) == list(range(4)) and all(len(values) == 1 for values in trials.values()), trials
+END
 exit $failed

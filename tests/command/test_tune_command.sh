@@ -14,13 +14,14 @@ expect 2 'to what' tower --engine plumb
 expect 2 'did you mean reference_error' tower --engine plumb --target 'reference_eror<=1'
 expect 2 'METRIC<=VALUE' tower --engine plumb --target 'reference_error>=1'
 expect 2 'did you mean slop' tower --engine plumb --target "$target" --vary slip=1..2
-expect 2 'the range is empty' tower --engine plumb --target "$target" --vary slop=1e-3..1e-4
+expect 2 'is empty' tower --engine plumb --target "$target" --vary slop=1e-3..1e-4
 expect 2 '--budget takes an integer' tower --engine plumb --target "$target" --budget 0
 expect 2 'unknown engine|there is no engine' tower --engine plumg --target "$target"
 expect 4 'does not do' slope-stick --engine "$BUILD/faulty_engine.so:refuse" --target "$target"
 
 # An engine of free fall: its error is that of its step, 0.495 dt.
-fall=(free-fall --engine "$BUILD/faulty_engine.so:good" --duration 1 --target 'value_error<=0.004')
+cp "$BUILD/faulty_engine.so" gone.so
+fall=(free-fall --engine ./gone.so:good --duration 1 --target 'value_error<=0.004')
 expect 0 'the cheapest found' "${fall[@]}" --budget 16 --json fall.json --out saved
 [[ -s saved/faulty.profile.json ]] || note_failure "no profile was saved: $(ls -R)"
 python3 - <<'END' || note_failure "the JSON is wrong: $(cat fall.json)"
@@ -35,6 +36,42 @@ assert 0 < found["setting"]["dt"] <= 1 / 123, found["setting"]
 assert found["validated"] == (len(found["validation"]) > 0 and
                               all(check["excess"] <= 0 for check in found["validation"]))
 END
+
+# All of it follows from the results, without the engine; and other settings of the study do not mix with them.
+further=()
+expect 2 'results of another tuning' "${fall[@]}" --budget 17 --out saved --resume
+expect 2 'results of another tuning' "${fall[@]}" --budget 16 --seed 1 --out saved --resume
+rm gone.so
+"$PLUMB" report saved --out reported >report.text 2>/dev/null || note_failure "plumb report failed"
+for file in tune.json tune.md tune.html; do
+    cmp "saved/$file" "reported/$file" || note_failure "plumb report makes another $file"
+done
+cmp saved/tune.json fall.json || note_failure "--json is not tune.json"
+grep -q 'the cheapest found for value_error' report.text || note_failure "plumb report says nothing: $(cat report.text)"
+# What is not finished is concluded as far as it came.
+mkdir part
+head -n 30 saved/results.jsonl >part/results.jsonl
+"$PLUMB" report part --out concluded >/dev/null 2>err || note_failure "a part is not concluded: $(cat err)"
+head -n 1 saved/results.jsonl >part/results.jsonl
+"$PLUMB" report part --out none >/dev/null 2>err && note_failure "one result was concluded"
+grep -q 'no trial yet' err || note_failure "one result: $(cat err)"
+python3 - <<'END' || note_failure "the runs are not what they should be"
+import json
+rows = [json.loads(line) for line in open("saved/results.jsonl")]
+found = json.load(open("saved/tune.json"))
+part = json.load(open("concluded/tune.json"))
+studies = [row["study"] for row in rows]
+assert found["runs"] == len(rows) == len({row["run"] for row in rows})
+assert part["trials"] == found["trials"][:len(part["trials"]) - 1] + part["trials"][-1:]
+assert {study["phase"] for study in studies} == {"search", "final", "sensitivity"}
+# A time is compared to one of the default settings that was measured next to it.
+if found["search_cost"] == "cpu_time":
+    trials = {study["trial"] for study in studies if study["phase"] == "search" and study["values"]}
+    beside = {study["trial"] for study in studies if study["phase"] == "search" and study["values"] is None}
+    assert beside - {None} == trials, (trials, beside)
+assert sum(study["phase"] == "final" and study["values"] is None for study in studies) == 5
+END
+further=(--force)
 
 # None: said so, with the nearest.
 expect 3 'no settings found meet value_error<1e-09; the nearest' free-fall \

@@ -3,12 +3,18 @@
  * DEPENDENCY, the function small_engine_drift of another library is added too. With READ_BACK, a
  * type, it computes in that type, and reads back its settings in it. With CONTACTS, a number, it
  * reports that many points between the first two bodies, and says so after the step unless it is
- * SILENT. With LATER_DRIFT, each world but the first of a process drifts by that too, from step 5 on. */
+ * SILENT. With LATER_DRIFT, each world but the first of a process drifts by that too, from step 5 on. With MEETS, a
+ * run waits in its working directory, at the pipe `meeting`, until another run does. */
 #include "plumb/adapter_helpers.h"
 #include "plumb/engine_abi.h"
 
 #include <stdlib.h>
 #include <string.h>
+#ifdef MEETS
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#endif
 
 #ifndef SIZE
 #define SIZE sizeof(pl_engine)
@@ -48,12 +54,29 @@ static double small_engine_drift(void)
 }
 #endif
 
+#ifdef MEETS
+/* The first of two reads from the pipe, and the second writes: either waits until the other opens it too. */
+static void meet(void)
+{
+    const int is_first = mkdir("waiting", 0700) == 0;
+    if (!is_first) {
+        rmdir("waiting");
+    }
+    close(open("meeting", is_first ? O_RDONLY : O_WRONLY));
+}
+#else
+static void meet(void)
+{
+}
+#endif
+
 static pl_status create(const pl_engine_setup *setup, pl_engine_instance **instance,
                         pl_error *error)
 {
     const pl_scene *scene = setup->scene;
     const size_t count = (size_t)scene->body_count;
     pl_engine_instance *made = calloc(1, sizeof *made + count * sizeof made->states[0]);
+    meet();
     if (made == NULL) {
         return pl_engine_error(error, PL_NO_MEMORY, "out of memory");
     }

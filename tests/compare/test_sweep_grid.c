@@ -33,7 +33,8 @@ static pl_status make_grid(const asked *a, pl_plan *plan, pl_error *error)
         assert_int_equal(pl_plan_add_engine(&base, a->engines[i], NULL), PL_OK);
     }
     for (; count < MOST_VARIED && a->varied[count] != NULL; ++count) {
-        assert_int_equal(pl_vary_parse(a->varied[count], &varied[count], NULL), PL_OK);
+        assert_int_equal(pl_vary_parse(a->varied[count], PL_VARY_VALUES, &varied[count], NULL),
+                         PL_OK);
     }
     const pl_grid_def def = {.base = &base,
                              .varied = varied,

@@ -1,8 +1,8 @@
 /* The runs that a sweep repeats, and those that it makes on changed scenes. */
 #include "check.h"
+#include "studies/sweep/grid.h"
 #include "studies/sweep/pruning.h"
-#include "studies/sweep/vary.h"
-#include "studies/variant/variant.h"
+#include "studies/variant.h"
 
 #include <string.h>
 
@@ -174,7 +174,7 @@ static void test_steps_of_the_usual_sweep_are_halved(void **state)
 {
     (void)state;
     pl_vary steps;
-    assert_int_equal(pl_vary_parse(PL_SWEEP_STEPS, &steps, NULL), PL_OK);
+    assert_int_equal(pl_vary_parse(PL_SWEEP_STEPS, PL_VARY_VALUES, &steps, NULL), PL_OK);
     assert_string_equal(steps.key, "dt");
     assert_int_equal(steps.count, 5);
     for (int i = 0; i < 5; ++i) {

@@ -1,12 +1,12 @@
 /* What plumb tune takes and says: parameters, spaces, targets, changed scenarios, an engine's own
  * API. */
 #include "check.h"
+#include "studies/tunable.h"
 #include "studies/tune/space.h"
-#include "studies/tune/tune_measure.h"
+#include "studies/tune/target.h"
 #include "studies/tune/tune_search.h"
 #include "studies/tune/tuner.h"
-#include "studies/variant/tunable.h"
-#include "studies/variant/variant.h"
+#include "studies/variant.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -203,6 +203,19 @@ static void test_parameter_tables_lie_within_engine_ranges(void **state)
     }
 }
 
+/* The setting with all parameters at their lowest values. */
+static pl_setting lowest_of(const pl_tune_space *space)
+{
+    double values[PL_TUNE_MAX_PARAMETERS];
+    for (int i = 0; i < space->parameter_count; ++i) {
+        values[i] = space->parameters[i].low;
+    }
+    json_t *point = pl_tune_values(space, values);
+    const pl_setting setting = pl_tune_setting(space, point);
+    json_decref(point);
+    return setting;
+}
+
 static void test_varied_fixed_and_given_parameters_are_kept(void **state)
 {
     (void)state;
@@ -219,12 +232,9 @@ static void test_varied_fixed_and_given_parameters_are_kept(void **state)
     assert_true(dt->low == 60 && dt->high == 240 && dt->integer);
     assert_true(iterations->low == 10 && iterations->high == 20 && !iterations->logarithmic);
     assert_true(parameter_of(&space, "updates")->logarithmic);
-    double values[PL_TUNE_MAX_PARAMETERS], step = 0;
-    for (int i = 0; i < space.parameter_count; ++i) {
-        values[i] = space.parameters[i].low;
-    }
-    const pl_engine_choice lowest = pl_tune_choice(&space, values, &step);
-    assert_true(step == 1.0 / 60);
+    const pl_setting at_low = lowest_of(&space);
+    const pl_engine_choice lowest = at_low.choice;
+    assert_true(at_low.dt == 1.0 / 60);
     assert_contains(lowest.spec, "plumb:fast");
     /* The SPEC gives the very same settings. */
     const pl_engine_choice again = choose(lowest.spec);
@@ -241,7 +251,6 @@ static void test_a_long_command_keeps_all_options_or_is_refused(void **state)
     char spec[PL_SPEC_SIZE], wanted[64];
     pl_engine_choice choice = choose("plumb:fast");
     pl_engine_info engine = *choice.engine;
-    double values[PL_TUNE_MAX_PARAMETERS], step = 0;
     pl_tune_space space;
     pl_error error = {.message = ""};
     const pl_tune_request request = {&choice, (double)NAN, NULL, 0, NULL, 0};
@@ -249,10 +258,7 @@ static void test_a_long_command_keeps_all_options_or_is_refused(void **state)
     choice.engine = &engine;
     snprintf(spec, sizeof spec, "exec:%0400d", 0);
     assert_int_equal(pl_tune_space_make(&request, &space, &error), PL_OK);
-    for (int i = 0; i < space.parameter_count; ++i) {
-        values[i] = space.parameters[i].low;
-    }
-    const pl_engine_choice lowest = pl_tune_choice(&space, values, &step);
+    const pl_engine_choice lowest = lowest_of(&space).choice;
     for (int i = 0; i < space.parameter_count; ++i) {
         const pl_tune_parameter *parameter = &space.parameters[i];
         if (parameter->option != PL_TUNE_RATE && parameter->low != parameter->start) {
@@ -297,15 +303,13 @@ static void test_bad_axes_are_refused(void **state)
 static void test_engine_api_code_lists_changed_values_only(void **state)
 {
     (void)state;
-    char *text = NULL;
-    size_t length = 0;
-    FILE *out = open_memstream(&text, &length);
     const pl_engine_choice choice = choose("plumb:fast,slop=0.002");
-    pl_tune_print_api(out, &choice, 1.0 / 240);
-    fclose(out);
-    assert_string_equal(text, "    def.penetration_slop = 0.002;\n"
-                              "    pe_world_step(world, 1.0 / 240, &stats, &error);\n");
-    free(text);
+    json_t *lines = pl_tune_api(&choice, 1.0 / 240);
+    json_t *expected = json_pack("[s, s]", "def.penetration_slop = 0.002;",
+                                 "pe_world_step(world, 1.0 / 240, &stats, &error);");
+    assert_true(json_equal(lines, expected));
+    json_decref(lines);
+    json_decref(expected);
 }
 
 /* What is held out is never what was tuned on, for any scenario of the catalogue. */

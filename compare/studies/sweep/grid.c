@@ -3,7 +3,7 @@
 
 #include "grid_keys.h"
 #include "results/store.h"
-#include "studies/variant/variant.h"
+#include "studies/variant.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -143,17 +143,17 @@ static pl_status add_configurations(const pl_grid_def *def, json_t *labels, pl_p
     return status;
 }
 
-/* Adds the settings of the design that the plan does not have yet. */
-static pl_status add_design(const pl_design *design, const pl_plan *base, json_t *labels,
-                            double *steps, pl_plan *plan, pl_error *error)
+/* Adds the drawn settings that the plan does not have yet. */
+static pl_status add_drawn(const pl_drawn_settings *drawn, const pl_plan *base, json_t *labels,
+                           double *steps, pl_plan *plan, pl_error *error)
 {
     const int varied = plan->configuration_count;
     pl_status status = PL_OK;
-    for (int i = 0; i < design->count && status == PL_OK; ++i) {
-        const pl_design_setting *setting = &design->items[i];
+    for (int i = 0; i < drawn->count && status == PL_OK; ++i) {
+        const pl_setting *setting = &drawn->items[i];
         const int before = plan->configuration_count;
-        status = add_configuration(&base->configurations[setting->base].choice, &setting->choice,
-                                   labels, plan, error);
+        status = add_configuration(&pl_drawn_from(base, setting)->choice, &setting->choice, labels,
+                                   plan, error);
         if (plan->configuration_count > before) {
             steps[before - varied] = setting->dt;
         }
@@ -270,7 +270,7 @@ static bool has_point(const grid *g, const pl_plan *plan, int number, int config
 /* A plan of whole cases, all on all engines, needs no list of points. */
 static bool needs_pairings(const grid *g)
 {
-    return g->count < g->def->shard.count || g->def->design != NULL || g->def->changes > 0;
+    return g->count < g->def->shard.count || g->def->drawn != NULL || g->def->changes > 0;
 }
 
 /* Adds the points of a case that are the shard's. */
@@ -373,7 +373,7 @@ pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
         return status;
     }
     json_t *labels = json_object();
-    const size_t settings = def->design == NULL ? 0 : (size_t)def->design->count;
+    const size_t settings = def->drawn == NULL ? 0 : (size_t)def->drawn->count;
     g.keys = calloc((size_t)def->base->case_count + 1, sizeof *g.keys);
     g.steps = calloc(settings + 1, sizeof *g.steps);
     if (g.keys == NULL || g.steps == NULL || labels == NULL) {
@@ -392,8 +392,8 @@ pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
         status = add_configurations(def, labels, plan, error);
     }
     g.varied_count = plan->configuration_count;
-    if (status == PL_OK && def->design != NULL) {
-        status = add_design(def->design, def->base, labels, g.steps, plan, error);
+    if (status == PL_OK && def->drawn != NULL) {
+        status = add_drawn(def->drawn, def->base, labels, g.steps, plan, error);
     }
     if (status == PL_OK) {
         status = list_places(&g, (long)cases, error);

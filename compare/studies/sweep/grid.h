@@ -7,12 +7,22 @@
 #ifndef PLUMB_SWEEP_GRID_H
 #define PLUMB_SWEEP_GRID_H
 
-#include "design.h"
+#include "drawn_settings.h"
 #include "runner/plan.h"
 #include "shard.h"
-#include "vary.h"
+#include "studies/vary.h"
 
-enum { PL_GRID_MOST_RUNS = 100000 };
+enum {
+    PL_GRID_MOST_RUNS = 100000,
+    PL_SWEEP_DEFAULT_REPEATS = 3,
+    PL_SWEEP_DEFAULT_CPU_LIMIT = 3, /* s */
+    PL_SWEEP_DEFAULT_SETTINGS = 20, /* of each engine */
+    PL_SWEEP_DEFAULT_CHANGES = 2    /* of each scene */
+};
+
+/* The time steps of the usual sweep. Coarse ones first: what takes too long there need not be tried
+ * at the others. */
+#define PL_SWEEP_STEPS "dt=1/60,1/120,1/240,1/480,1/960"
 
 /* The grid of a sweep: cases and engines, times all combinations of the varied keys. */
 typedef struct pl_grid_def {
@@ -20,7 +30,7 @@ typedef struct pl_grid_def {
     const pl_vary *varied;
     int varied_count;
     /* Settings that are run besides, each on the cases of its own time step; NULL: none. */
-    const pl_design *design;
+    const pl_drawn_settings *drawn;
     int changes; /* of each scene, at most (pl_variants_swept): on each, every point is run once */
     pl_shard shard;
 } pl_grid_def;

@@ -24,24 +24,19 @@ int pl_grid_digit(const pl_grid_keys *keys, long combination, int key)
     return (int)(combination % keys->values[key]);
 }
 
-static bool is_of(const pl_vary *vary, const char *name)
-{
-    return vary->owner[0] == '\0' || strcmp(vary->owner, name) == 0;
-}
-
 /* The number of values that the key has for a case; 0 where the case does not have it. */
 static int values_of_case(const pl_case *test_case, const pl_vary *vary)
 {
     const bool has =
         vary->names == NULL && pl_scenario_param(test_case->descriptor, vary->key) >= 0;
-    return has && is_of(vary, test_case->name) ? vary->count : 0;
+    return has && pl_vary_is_of(vary, test_case->name) ? vary->count : 0;
 }
 
 /* The same for a configuration; of profiles, those that the engine has count. */
 static int values_of_configuration(const pl_configuration *configuration, const pl_vary *vary)
 {
     const pl_engine_info *engine = configuration->choice.engine;
-    if (!is_of(vary, engine->name)) {
+    if (!pl_vary_is_of(vary, engine->name)) {
         return 0;
     }
     if (strcmp(vary->key, PL_VARY_PROFILE) != 0) {
@@ -115,14 +110,14 @@ static void list_keys(const pl_grid_def *def, const pl_vary *vary, names *n)
     for (int i = 0; i < def->base->case_count; ++i) {
         const pl_case *test_case = &def->base->cases[i];
         const pl_scenario *scenario = test_case->descriptor;
-        const bool counts = is_of(vary, test_case->name);
+        const bool counts = pl_vary_is_of(vary, test_case->name);
         for (int k = 0; counts && k < scenario->param_count; ++k) {
             add_name(n, scenario->params[k].name);
         }
     }
     for (int i = 0; i < def->base->configuration_count; ++i) {
         const pl_engine_info *engine = def->base->configurations[i].choice.engine;
-        for (int k = 0; is_of(vary, engine->name) && k < engine->option_count; ++k) {
+        for (int k = 0; pl_vary_is_of(vary, engine->name) && k < engine->option_count; ++k) {
             add_name(n, engine->options[k].name);
         }
     }
@@ -197,7 +192,7 @@ static pl_status check_profiles(const pl_grid_def *def, const pl_vary *vary, pl_
     names known = {.count = 0};
     for (int i = 0; i < def->base->configuration_count; ++i) {
         const pl_engine_info *engine = def->base->configurations[i].choice.engine;
-        for (int k = 0; is_of(vary, engine->name) && k < engine->profile_count; ++k) {
+        for (int k = 0; pl_vary_is_of(vary, engine->name) && k < engine->profile_count; ++k) {
             add_name(&known, engine->profiles[k].name);
         }
     }
@@ -228,7 +223,8 @@ static pl_status check_key(const pl_grid_def *def, int index, pl_error *error)
     for (int i = 0; i < def->base->configuration_count; ++i) {
         const pl_configuration *configuration = &def->base->configurations[i];
         of_configuration = of_configuration || values_of_configuration(configuration, vary) > 0;
-        owner_is_chosen = owner_is_chosen || is_of(vary, configuration->choice.engine->name);
+        owner_is_chosen =
+            owner_is_chosen || pl_vary_is_of(vary, configuration->choice.engine->name);
     }
     if (of_case && of_configuration) {
         return pl_fail(error, PL_BAD_INPUT,

@@ -439,4 +439,4 @@ static void fill_document(const json_t *conclusion, pl_document *document)
 }
 
 const pl_study pl_threshold_study = {
-    .name = "threshold", .conclude = conclude, .document = fill_document};
+    .name = "threshold", .kind = "threshold", .conclude = conclude, .document = fill_document};

@@ -1,7 +1,8 @@
 /* Builds the space of tuned parameters from the table and the user's --vary and --fix. */
 #include "space.h"
 
-#include "studies/variant/tunable.h"
+#include "studies/tunable.h"
+#include "studies/vary.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -36,140 +37,135 @@ static pl_status unknown_key(const pl_engine_info *engine, const char *option, c
 /* One --vary or --fix. */
 typedef struct setting_text {
     const char *option; /* "--vary" or "--fix" */
-    char what[300];     /* the option with its text, for messages */
-    char key[PL_NAME_SIZE];
-    int index;        /* of the engine's option; PL_TUNE_RATE: "dt" */
-    const char *rest; /* after the '=' */
+    pl_vary vary;
+    int index; /* of the engine's option; PL_TUNE_RATE: "dt" */
 } setting_text;
 
-/* Splits KEY=REST, finds the option, and checks that it is the first with this key. */
-static pl_status read_key(const pl_tune_space *space, const char *option, const char *text,
-                          bool *given, setting_text *s, pl_error *error)
+/* Reads the text, finds the option, and checks that it is the first with this key. The caller frees s->vary. */
+static pl_status read_setting(const pl_tune_space *space, const char *text, pl_vary_form form,
+                              bool *given, setting_text *s, pl_error *error)
 {
-    const size_t length = strcspn(text, "=");
-    s->option = option;
-    snprintf(s->what, sizeof s->what, "%s %.250s", option, text);
-    if (text[length] != '=' || length == 0 || length >= PL_NAME_SIZE) {
-        return pl_fail(error, PL_BAD_INPUT, "%s takes KEY=%s; found \"%.200s\"", option,
-                       strcmp(option, "--fix") == 0 ? "VALUE" : "LOW..HIGH", text);
+    const pl_engine_info *engine = space->base.engine;
+    s->option = form == PL_VARY_FIX ? "--fix" : "--vary";
+    const pl_status status = pl_vary_parse(text, form, &s->vary, error);
+    if (status != PL_OK) {
+        return status;
     }
-    memcpy(s->key, text, length);
-    s->key[length] = '\0';
-    s->rest = text + length + 1;
-    const bool is_rate = strcmp(s->key, "dt") == 0;
-    s->index = is_rate ? PL_TUNE_RATE : pl_engine_option_index(space->base.engine, s->key);
+    if (!pl_vary_is_of(&s->vary, engine->name)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s %s: the engine that is tuned is %s", s->option,
+                       text, engine->name);
+    }
+    const bool is_rate = strcmp(s->vary.key, "dt") == 0;
+    s->index = is_rate ? PL_TUNE_RATE : pl_engine_option_index(engine, s->vary.key);
     if (s->index < 0 && !is_rate) {
-        return unknown_key(space->base.engine, option, s->key, error);
+        return unknown_key(engine, s->option, s->vary.key, error);
     }
     if (given[s->index + 1]) {
-        return pl_fail(error, PL_BAD_INPUT, "%s %s: %s is given twice", option, text, s->key);
+        return pl_fail(error, PL_BAD_INPUT, "%s %s: %s is given twice", s->option, text,
+                       s->vary.key);
     }
     given[s->index + 1] = true;
     return PL_OK;
 }
 
-/* A value of the option in its range; of dt, s. */
-static pl_status read_value(const pl_tune_space *space, const setting_text *s, const char *text,
-                            double *value, pl_error *error)
+/* The value must be in the range of the option; of dt, s. */
+static pl_status check_value(const pl_tune_space *space, const setting_text *s, double value,
+                             pl_error *error)
 {
     const double shortest = 1e-6, longest = 1;
     const pl_engine_option *option = s->index < 0 ? NULL : &space->base.engine->options[s->index];
     const double low = option == NULL ? shortest : option->min;
     const double high = option == NULL ? longest : option->max;
-    if (!pl_parse_number(text, value)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s: \"%.60s\" is no number", s->what, text);
+    if (option != NULL && option->integer && value != floor(value)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s %s: expected whole numbers, found %g", s->option,
+                       s->vary.key, value);
     }
-    if (option != NULL && option->integer && *value != floor(*value)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s: expected whole numbers, found %s", s->what, text);
-    }
-    return *value >= low && *value <= high
+    return value >= low && value <= high
                ? PL_OK
-               : pl_fail(error, PL_BAD_INPUT, "%s: expected %g to %g, found %s", s->what, low, high,
-                         text);
+               : pl_fail(error, PL_BAD_INPUT, "%s %s: expected %g to %g, found %g", s->option,
+                         s->vary.key, low, high, value);
 }
 
-static pl_status read_range(const pl_tune_space *space, const setting_text *s, double range[2],
-                            pl_error *error)
+/* The parameter of the setting, which is added where the space lacks it; *is_known: it had it. */
+static pl_tune_parameter *place_parameter(pl_tune_space *space, const setting_text *s,
+                                          bool *is_known)
 {
-    char low[PL_NAME_SIZE];
-    const char *dots = strstr(s->rest, "..");
-    if (dots == NULL || (size_t)(dots - s->rest) >= sizeof low) {
-        return pl_fail(error, PL_BAD_INPUT, "%s takes KEY=LOW..HIGH", s->what);
+    const int at = find_parameter(space, s->vary.key);
+    *is_known = at >= 0;
+    pl_tune_parameter *parameter = &space->parameters[*is_known ? at : space->parameter_count++];
+    if (!*is_known) {
+        *parameter = (pl_tune_parameter){.option = s->index};
+        memcpy(parameter->name, s->vary.key, sizeof s->vary.key);
     }
-    memcpy(low, s->rest, (size_t)(dots - s->rest));
-    low[dots - s->rest] = '\0';
-    pl_status status = read_value(space, s, low, &range[0], error);
-    if (status == PL_OK) {
-        status = read_value(space, s, dots + 2, &range[1], error);
-    }
-    return status != PL_OK || range[0] < range[1]
-               ? status
-               : pl_fail(error, PL_BAD_INPUT, "%s: the range is empty", s->what);
+    return parameter;
 }
 
-static pl_status vary(pl_tune_space *space, const char *text, bool *given, pl_error *error)
+static pl_status vary(pl_tune_space *space, const setting_text *s, pl_error *error)
 {
     const double wide = 20; /* a new range is logarithmic where its ends differ by more */
-    setting_text s;
-    double range[2] = {0, 0};
-    pl_status status = read_key(space, "--vary", text, given, &s, error);
+    const double low = s->vary.low, high = s->vary.high;
+    bool is_known = false;
+    pl_status status = check_value(space, s, low, error);
     if (status == PL_OK) {
-        status = read_range(space, &s, range, error);
+        status = check_value(space, s, high, error);
     }
     if (status != PL_OK) {
         return status;
     }
-    int at = find_parameter(space, s.key);
-    const bool is_known = at >= 0;
-    if (!is_known) {
-        at = space->parameter_count++;
-        space->parameters[at] = (pl_tune_parameter){.option = s.index};
-        memcpy(space->parameters[at].name, s.key, sizeof s.key);
-    }
-    pl_tune_parameter *parameter = &space->parameters[at];
-    if (s.index == PL_TUNE_RATE) {
-        parameter->low = floor(1 / range[1] + 0.5);
-        parameter->high = floor(1 / range[0] + 0.5);
+    pl_tune_parameter *parameter = place_parameter(space, s, &is_known);
+    if (s->index == PL_TUNE_RATE) {
+        parameter->low = floor(1 / high + 0.5);
+        parameter->high = floor(1 / low + 0.5);
         parameter->logarithmic = parameter->integer = true;
         parameter->start = isnan(space->dt) ? 60 : 1 / space->dt;
-        space->keeps_dt = false;
         return parameter->low >= 1 && parameter->low < parameter->high
                    ? PL_OK
-                   : pl_fail(error, PL_BAD_INPUT, "%s: no two whole rates lie in it", s.what);
+                   : pl_fail(error, PL_BAD_INPUT, "--vary dt: no two whole rates lie in %g..%g",
+                             low, high);
     }
-    parameter->low = range[0];
-    parameter->high = range[1];
-    parameter->integer = space->base.engine->options[s.index].integer;
-    parameter->logarithmic =
-        range[0] > 0 && (is_known ? parameter->logarithmic : range[1] > wide * range[0]);
-    parameter->start = space->base.values[s.index];
+    parameter->low = low;
+    parameter->high = high;
+    parameter->integer = space->base.engine->options[s->index].integer;
+    parameter->logarithmic = low > 0 && (is_known ? parameter->logarithmic : high > wide * low);
+    parameter->start = space->base.values[s->index];
     return PL_OK;
 }
 
-static pl_status fix(pl_tune_space *space, const char *text, bool *given, pl_error *error)
+static pl_status fix(pl_tune_space *space, const setting_text *s, pl_error *error)
 {
-    setting_text s;
-    double value = 0;
-    pl_status status = read_key(space, "--fix", text, given, &s, error);
-    if (status == PL_OK) {
-        status = read_value(space, &s, s.rest, &value, error);
-    }
+    const double value = s->vary.numbers[0];
+    const pl_status status = check_value(space, s, value, error);
     if (status != PL_OK) {
         return status;
     }
-    const int at = find_parameter(space, s.key);
+    const int at = find_parameter(space, s->vary.key);
     if (at >= 0) {
         space->parameter_count -= 1;
         memmove(&space->parameters[at], &space->parameters[at + 1],
                 (size_t)(space->parameter_count - at) * sizeof *space->parameters);
     }
-    if (s.index == PL_TUNE_RATE) {
+    if (s->index == PL_TUNE_RATE) {
         space->dt = value;
-        space->keeps_dt = false;
     } else {
-        space->base.values[s.index] = value;
+        space->base.values[s->index] = value;
     }
     return PL_OK;
+}
+
+/* Takes all texts of --vary, or of --fix. */
+static pl_status take_settings(pl_tune_space *space, const char *const *texts, int count,
+                               pl_vary_form form, bool *given, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        setting_text s = {.option = NULL};
+        status = read_setting(space, texts[i], form, given, &s, error);
+        if (status == PL_OK) {
+            status = form == PL_VARY_FIX ? fix(space, &s, error) : vary(space, &s, error);
+        }
+        pl_vary_free(&s.vary);
+    }
+    return status;
 }
 
 static void add_rate(pl_tune_space *space, double dt)
@@ -231,13 +227,12 @@ pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *spac
     bool given[PL_TUNE_MAX_PARAMETERS] = {false};
     *space = (pl_tune_space){.base = *request->engine, .dt = request->dt};
     add_rate(space, request->dt);
-    pl_status status = PL_OK;
     add_table(space);
-    for (int i = 0; i < request->varied_count && status == PL_OK; ++i) {
-        status = vary(space, request->varied[i], given, error);
-    }
-    for (int i = 0; i < request->fixed_count && status == PL_OK; ++i) {
-        status = fix(space, request->fixed[i], given, error);
+    pl_status status =
+        take_settings(space, request->varied, request->varied_count, PL_VARY_RANGE, given, error);
+    if (status == PL_OK) {
+        status =
+            take_settings(space, request->fixed, request->fixed_count, PL_VARY_FIX, given, error);
     }
     for (int i = 0; i < space->parameter_count; ++i) {
         pl_tune_parameter *parameter = &space->parameters[i];
@@ -250,23 +245,24 @@ pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *spac
     return status == PL_OK ? check_spec(space, error) : status;
 }
 
-pl_engine_choice pl_tune_choice(const pl_tune_space *space, const double *values, double *dt)
+json_t *pl_tune_values(const pl_tune_space *space, const double *values)
 {
-    pl_engine_choice choice = space->base;
-    *dt = space->dt;
+    json_t *list = json_array();
     for (int i = 0; i < space->parameter_count; ++i) {
-        const pl_tune_parameter *parameter = &space->parameters[i];
-        if (parameter->option == PL_TUNE_RATE) {
-            *dt = 1 / values[i];
-        } else {
-            choice.values[parameter->option] = values[i];
-        }
+        const bool is_rate = space->parameters[i].option == PL_TUNE_RATE;
+        json_array_append_new(list, json_real(is_rate ? 1 / values[i] : values[i]));
     }
-    pl_tune_spec(&choice, choice.spec);
-    return choice;
+    return list;
 }
 
-void pl_tune_value_text(const pl_tune_parameter *parameter, double value, char text[32])
+pl_setting pl_tune_setting(const pl_tune_space *space, const json_t *values)
 {
-    snprintf(text, 32, "%s%.6g", parameter->option == PL_TUNE_RATE ? "1/" : "", value);
+    pl_setting setting = {space->base, space->dt};
+    for (int i = 0; i < space->parameter_count; ++i) {
+        const int option = space->parameters[i].option;
+        *(option == PL_TUNE_RATE ? &setting.dt : &setting.choice.values[option]) =
+            json_number_value(json_array_get(values, (size_t)i));
+    }
+    pl_tune_spec(&setting.choice, setting.choice.spec);
+    return setting;
 }

@@ -3,15 +3,15 @@
 #ifndef PLUMB_TUNE_SPACE_H
 #define PLUMB_TUNE_SPACE_H
 
-#include "engines/registry.h"
+#include "studies/design.h"
 #include "tune_search.h"
+
+#include <jansson.h>
 
 /* The parameters of a search, and the values of what is not searched. */
 typedef struct pl_tune_space {
     pl_engine_choice base; /* the values of all options that are not tuned */
-    double dt;             /* s: the time step where "dt" is not tuned; NAN: it is tuned, or, with
-                              keeps_dt, each scenario has its own */
-    bool keeps_dt;
+    double dt;             /* s: the time step where "dt" is not tuned; NAN: it is tuned */
     pl_tune_parameter parameters[PL_TUNE_MAX_PARAMETERS];
     int parameter_count;
 } pl_tune_space;
@@ -31,10 +31,10 @@ typedef struct pl_tune_request {
  * that is too long for a SPEC with all options. */
 pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *space, pl_error *error);
 
-/* The engine with a point's values, and its time step *dt, s; NAN: each scenario's own. */
-pl_engine_choice pl_tune_choice(const pl_tune_space *space, const double *values, double *dt);
+/* The values of a point as a user writes them, of "dt" in s: an array. A new reference. */
+json_t *pl_tune_values(const pl_tune_space *space, const double *values);
 
-/* A parameter's value as a user writes it: "37", or "1/240" of "dt". */
-void pl_tune_value_text(const pl_tune_parameter *parameter, double value, char text[32]);
+/* The engine and its time step with such values. */
+pl_setting pl_tune_setting(const pl_tune_space *space, const json_t *values);
 
 #endif

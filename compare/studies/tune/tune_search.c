@@ -2,6 +2,7 @@
 #include "tune_search.h"
 
 #include "base/random.h"
+#include "studies/design.h"
 
 #include <math.h>
 #include <nlopt.h>
@@ -112,6 +113,17 @@ bool pl_evaluation_is_better(const pl_evaluation *a, const pl_evaluation *b)
     return a->cost < b->cost;
 }
 
+void pl_search_add(pl_search_result *result, const pl_evaluation *evaluation)
+{
+    result->evaluations[result->count] = *evaluation;
+    if (result->best < 0 ||
+        pl_evaluation_is_better(evaluation, &result->evaluations[result->best])) {
+        result->best = result->count;
+        result->met = evaluation->excess <= 0;
+    }
+    result->count += 1;
+}
+
 /* Evaluates a point that is not in the cache. Returns its index in found->evaluations, or -1 where
  * it could not be evaluated. */
 static int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point)
@@ -126,16 +138,13 @@ static int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point)
     if (place >= 0 || is_over(cache)) {
         return place;
     }
+    evaluation.trial = found->count;
     cache->status = def->measure(def->user, &evaluation, &found->stopped, cache->error);
     if (cache->status != PL_OK || found->stopped) {
         return -1;
     }
-    found->evaluations[found->count] = evaluation;
-    if (found->best < 0 || pl_evaluation_is_better(&evaluation, &found->evaluations[found->best])) {
-        found->best = found->count;
-        found->met = evaluation.excess <= 0;
-    }
-    return found->count++;
+    pl_search_add(found, &evaluation);
+    return found->count - 1;
 }
 
 /* ---- Second stage: NLopt ---- */
@@ -323,39 +332,27 @@ static void refine_locally(pl_evaluation_cache *cache)
 /* The shares of the budget at which sampling and then NLopt end. */
 static const double sampling_end = 0.4, nlopt_end = 0.75;
 
-/* The root above 1 of x^(parameters + 1) = x + 1, by the fixed point of x = (1 + x)^(1 /
- * (parameters + 1)). */
-static double golden_ratio(int parameters)
-{
-    double x = 2;
-    for (int i = 0; i < 60; ++i) {
-        x = pow(1 + x, 1.0 / (parameters + 1));
-    }
-    return x;
-}
-
-/* Evaluates the starts, then the additive recurrence of the generalised golden ratio (Roberts
- * 2018), shifted by the seed. A parameter that spends no time stays at its start in half of the
- * points, independently of the others: defaults are often right, and most combinations of several
+/* Evaluates the starts, then points of pl_design_place. A parameter that spends no time stays at its start in half of
+ * the points, independently of the others: defaults are often right, and most combinations of several
  * changed options are wrong. */
 static void sample_space(pl_evaluation_cache *cache)
 {
     const pl_search_def *def = cache->def;
     const int parameters = def->parameter_count, most_misses = 1000;
-    const double ratio = golden_ratio(parameters);
     pl_random random = {.state = def->seed};
-    pl_unit_point point = {.u = {0}}, shift = point;
+    pl_unit_point start = {.u = {0}};
+    uint64_t orders[PL_TUNE_MAX_PARAMETERS];
     for (int k = 0; k < parameters; ++k) {
-        shift.u[k] = pl_random_unit(&random);
-        point.u[k] = pl_tune_unit(&def->parameters[k], def->parameters[k].start);
+        orders[k] = pl_random_bits(&random);
+        start.u[k] = pl_tune_unit(&def->parameters[k], def->parameters[k].start);
     }
-    evaluate(cache, &point);
-    for (int next = 1, misses = 0; misses < most_misses && !is_over(cache); ++next) {
+    evaluate(cache, &start);
+    for (int next = 0, misses = 0; misses < most_misses && !is_over(cache); ++next) {
         const int before = cache->found->count;
+        pl_unit_point point = start;
         for (int k = 0; k < parameters; ++k) {
             const bool stays = pl_random_unit(&random) < 0.5 && !def->parameters[k].spends;
-            point.u[k] = stays ? pl_tune_unit(&def->parameters[k], def->parameters[k].start)
-                               : fmod(shift.u[k] + fmod(next * pow(ratio, -(k + 1)), 1), 1);
+            point.u[k] = stays ? start.u[k] : pl_design_place(orders[k], next);
         }
         evaluate(cache, &point);
         misses += cache->found->count == before;

@@ -43,6 +43,7 @@ typedef struct pl_evaluation {
     double cost;                           /* > 0; INFINITY: unknown */
     double excess; /* <= 0: the target is met with the required margin; at most PL_SEARCH_WORST */
     bool holds;    /* the target was met, but possibly by less than the required margin */
+    int trial;     /* its number in the search, from 0 */
 } pl_evaluation;
 
 /* The parameters to be searched and the function to be minimised. */
@@ -72,6 +73,9 @@ typedef struct pl_search_result {
  * seeded directions around the best point. Equal seeds and equal answers give equal points. The
  * caller frees result->evaluations in any case. PL_NO_MEMORY, and what `measure` returned. */
 pl_status pl_search(const pl_search_def *def, pl_search_result *result, pl_error *error);
+
+/* Adds an evaluation, for which the result has room. */
+void pl_search_add(pl_search_result *result, const pl_evaluation *evaluation);
 
 /* Whether a is better than b: only a meets the target; or both do and a is cheaper; or neither
  * does, and only a holds, or a has the lower excess. */

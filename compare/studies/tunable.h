@@ -5,7 +5,7 @@
 
 #include "engines/registry.h"
 
-#include <stdio.h>
+#include <jansson.h>
 
 /* The range in which an option is tuned. */
 typedef struct pl_tunable {
@@ -28,11 +28,8 @@ void pl_tune_spec(const pl_engine_choice *choice, char spec[PL_SPEC_SIZE]);
  * which the choice differs from its defaults. */
 bool pl_tune_spec_fits(const pl_engine_choice *choice, const bool *varied);
 
-/* Whether pl_tune_print_api prints anything. */
-bool pl_tune_has_api(const pl_engine_choice *choice, double dt);
-
-/* Prints the settings as a program that uses the engine writes them: a line for every option that
- * differs from its default and has `code`; then the step, unless dt (s) is NAN. */
-void pl_tune_print_api(FILE *out, const pl_engine_choice *choice, double dt);
+/* The settings as a program that uses the engine writes them, an array of lines: one for every option that
+ * differs from its default and has `code`; then the step, dt in s. A new reference. */
+json_t *pl_tune_api(const pl_engine_choice *choice, double dt);
 
 #endif

@@ -1,6 +1,6 @@
 /* --vary KEY=VALUES: what is understood, and what is refused in which words. */
 #include "check.h"
-#include "studies/sweep/vary.h"
+#include "studies/vary.h"
 
 #include <math.h>
 #include <string.h>
@@ -9,7 +9,7 @@ static void check_numbers(const char *text, const double *expected, int count)
 {
     pl_vary vary;
     pl_error error = {.message = ""};
-    if (pl_vary_parse(text, &vary, &error) != PL_OK) {
+    if (pl_vary_parse(text, PL_VARY_VALUES, &vary, &error) != PL_OK) {
         fail_msg("%s: %s", text, error.message);
     }
     assert_null(vary.names);
@@ -77,7 +77,7 @@ static void test_long_ranges_are_whole(void **state)
 {
     (void)state;
     pl_vary vary;
-    assert_int_equal(pl_vary_parse("n=1..100000", &vary, NULL), PL_OK);
+    assert_int_equal(pl_vary_parse("n=1..100000", PL_VARY_VALUES, &vary, NULL), PL_OK);
     assert_int_equal(vary.count, PL_VARY_MOST_VALUES);
     for (int i = 0; i < vary.count; ++i) {
         assert_true(vary.numbers[i] == i + 1);
@@ -88,7 +88,7 @@ static void test_long_ranges_are_whole(void **state)
 static void check_key(const char *text, const char *owner, const char *key)
 {
     pl_vary vary;
-    assert_int_equal(pl_vary_parse(text, &vary, NULL), PL_OK);
+    assert_int_equal(pl_vary_parse(text, PL_VARY_VALUES, &vary, NULL), PL_OK);
     assert_string_equal(vary.owner, owner);
     assert_string_equal(vary.key, key);
     pl_vary_free(&vary);
@@ -109,7 +109,7 @@ static void test_solver_and_profile_take_names(void **state)
     static const char *const texts[] = {"solver=quick,dantzig,quick", "profile=quick,dantzig"};
     for (int i = 0; i < 2; ++i) {
         pl_vary vary;
-        assert_int_equal(pl_vary_parse(texts[i], &vary, NULL), PL_OK);
+        assert_int_equal(pl_vary_parse(texts[i], PL_VARY_VALUES, &vary, NULL), PL_OK);
         assert_string_equal(vary.key, "profile");
         assert_null(vary.numbers);
         assert_int_equal(vary.count, 2);
@@ -123,7 +123,7 @@ static void test_what_is_wrong_is_said(void **state)
 {
     (void)state;
     static const char *const wrong[][2] = {
-        {"iterations", "takes KEY=VALUES; found \"iterations\""},
+        {"iterations", "takes KEY=VALUES or ENGINE.KEY=VALUES; found \"iterations\""},
         {"=1", "takes KEY=VALUES"},
         {".n=1", "takes KEY=VALUES"},
         {"ode.=1", "takes KEY=VALUES"},
@@ -159,13 +159,58 @@ static void test_what_is_wrong_is_said(void **state)
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         pl_vary vary;
         pl_error error = {.message = ""};
-        if (pl_vary_parse(wrong[i][0], &vary, &error) != PL_BAD_INPUT) {
+        if (pl_vary_parse(wrong[i][0], PL_VARY_VALUES, &vary, &error) != PL_BAD_INPUT) {
             fail_msg("%s was taken", wrong[i][0]);
         }
         assert_contains(error.message, wrong[i][1]);
         assert_contains(error.message, "--vary");
         assert_null(vary.numbers);
         assert_null(vary.names);
+    }
+}
+
+static void test_forms_take_a_range_or_one_value(void **state)
+{
+    (void)state;
+    pl_vary vary;
+    assert_int_equal(pl_vary_parse("ode.dt=1/240..1/60", PL_VARY_RANGE, &vary, NULL), PL_OK);
+    assert_string_equal(vary.owner, "ode");
+    assert_true(vary.low == 1.0 / 240 && vary.high == 1.0 / 60 && vary.count == 0);
+    assert_true(pl_vary_is_of(&vary, "ode") && !pl_vary_is_of(&vary, "bullet"));
+    assert_int_equal(pl_vary_parse("updates=100..2e6", PL_VARY_KNOWN_RANGE, &vary, NULL), PL_OK);
+    assert_true(vary.low == 100 && vary.high == 2e6 && pl_vary_is_of(&vary, "ode"));
+    assert_int_equal(pl_vary_parse("solver", PL_VARY_KNOWN_RANGE, &vary, NULL), PL_OK);
+    assert_string_equal(vary.key, "solver");
+    assert_true(isnan(vary.low) && isnan(vary.high));
+    assert_int_equal(pl_vary_parse("slop=1/8", PL_VARY_FIX, &vary, NULL), PL_OK);
+    assert_true(vary.count == 1 && vary.numbers[0] == 0.125);
+    pl_vary_free(&vary);
+}
+
+static void test_what_is_not_of_the_form_is_said(void **state)
+{
+    (void)state;
+    static const struct {
+        pl_vary_form form;
+        const char *text, *part;
+    } wrong[] = {
+        {PL_VARY_RANGE, "slop", "--vary takes KEY=LOW..HIGH; found \"slop\""},
+        {PL_VARY_RANGE, "slop=1,2", "--vary takes KEY=LOW..HIGH"},
+        {PL_VARY_RANGE, "=1..2", "--vary takes KEY=LOW..HIGH"},
+        {PL_VARY_RANGE, "slop=1..2,5..6", "--vary slop: \"2,5..6\" is no number"},
+        {PL_VARY_RANGE, "slop=1..4:x2", "\"4:x2\" is no number"},
+        {PL_VARY_RANGE, "slop=3..2", "3..2 is empty: a range goes up, from 2 to 3"},
+        {PL_VARY_RANGE, "slop=2..2", "2..2 is empty: its ends are equal"},
+        {PL_VARY_KNOWN_RANGE, "mu=1", "--vary takes NAME or NAME=LOW..HIGH; found \"mu=1\""},
+        {PL_VARY_KNOWN_RANGE, "mu=2..1", "--vary mu: 2..1 is empty"},
+        {PL_VARY_FIX, "slop", "--fix takes KEY=VALUE; found \"slop\""},
+        {PL_VARY_FIX, "slop=1..2", "--fix slop: \"1..2\" is no number"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        pl_vary vary;
+        pl_error error = {.message = ""};
+        assert_int_equal(pl_vary_parse(wrong[i].text, wrong[i].form, &vary, &error), PL_BAD_INPUT);
+        assert_contains(error.message, wrong[i].part);
     }
 }
 
@@ -181,6 +226,8 @@ int main(void)
         cmocka_unit_test(test_key_may_name_one_engine_or_scenario),
         cmocka_unit_test(test_solver_and_profile_take_names),
         cmocka_unit_test(test_what_is_wrong_is_said),
+        cmocka_unit_test(test_forms_take_a_range_or_one_value),
+        cmocka_unit_test(test_what_is_not_of_the_form_is_said),
     };
-    return cmocka_run_group_tests_name("sweep vary", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("vary", tests, NULL, NULL);
 }

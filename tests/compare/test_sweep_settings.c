@@ -1,13 +1,13 @@
 /* The settings that the usual sweep draws of each engine. */
 #include "check.h"
-#include "studies/sweep/design.h"
-#include "studies/variant/tunable.h"
-#include "studies/variant/variant.h"
+#include "studies/sweep/drawn_settings.h"
+#include "studies/tunable.h"
+#include "studies/variant.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { SETTINGS = 24 };
+enum { SETTINGS = 32 };
 
 static const double steps[] = {1.0 / 60, 1.0 / 120, 1.0 / 240};
 
@@ -55,27 +55,25 @@ static pl_configuration configuration(int engine, int profile)
     return made;
 }
 
-/* The design of `count` configurations with all their engines' profiles, or those given alone. */
-static pl_design design_of(pl_configuration *configurations, int count, bool all_profiles)
+/* The settings of `count` configurations with all their engines' profiles, or those given alone. */
+static pl_drawn_settings drawn_of(pl_configuration *configurations, int count, bool all_profiles)
 {
     const pl_plan plan = {.configurations = configurations, .configuration_count = count};
-    const pl_design_def def = {.plan = &plan,
-                               .steps = steps,
-                               .step_count = 3,
-                               .settings = SETTINGS,
-                               .all_profiles = all_profiles};
-    pl_design design;
-    assert_int_equal(pl_design_make(&def, &design, NULL), PL_OK);
-    return design;
+    const pl_draw_def def = {.plan = &plan,
+                             .steps = steps,
+                             .step_count = 3,
+                             .settings = SETTINGS,
+                             .all_profiles = all_profiles};
+    return pl_draw_settings(&def);
 }
 
 /* How many values lie in each third of the range of an option, by ratio or straight. */
-static void count_thirds(const pl_design *design, int option, int thirds[3])
+static void count_thirds(const pl_drawn_settings *drawn, int option, int thirds[3])
 {
     const pl_engine_option *o = &options[option];
     memset(thirds, 0, 3 * sizeof *thirds);
-    for (int i = 0; i < design->count; ++i) {
-        const double value = design->items[i].choice.values[option];
+    for (int i = 0; i < drawn->count; ++i) {
+        const double value = drawn->items[i].choice.values[option];
         const double place = o->tune_logarithmic
                                  ? log(value / o->tune_min) / log(o->tune_max / o->tune_min)
                                  : (value - o->tune_min) / (o->tune_max - o->tune_min);
@@ -85,46 +83,81 @@ static void count_thirds(const pl_design *design, int option, int thirds[3])
     }
 }
 
+/* Of every 2^k points in a row that begin at a multiple of 2^k, one lies in each 2^k-th of the range. */
+static void test_points_have_a_stratum_each(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 20; ++seed) {
+        for (int count = 1; count <= 64; count *= 2) {
+            for (int first = 0; first < 256; first += count) {
+                bool taken[64] = {false};
+                for (int i = first; i < first + count; ++i) {
+                    const double place = pl_design_place(seed, i);
+                    assert_true(place > 0 && place < 1);
+                    assert_false(taken[(int)(place * count)]);
+                    taken[(int)(place * count)] = true;
+                }
+            }
+        }
+    }
+}
+
+/* In all quarters of the square of two dimensions there are points. */
+static void test_dimensions_have_orders_of_their_own(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 100; ++seed) {
+        int quarters[4] = {0};
+        for (int i = 0; i < 64; ++i) {
+            const bool right = pl_design_place(seed, i) > 0.5;
+            quarters[2 * right + (pl_design_place(seed + 100, i) > 0.5)] += 1;
+        }
+        for (int k = 0; k < 4; ++k) {
+            assert_in_range(quarters[k], 4, 28);
+        }
+    }
+}
+
 static void test_options_take_values_all_over_their_ranges(void **state)
 {
     (void)state;
     pl_configuration one = configuration(0, 0);
-    pl_design design = design_of(&one, 1, false);
+    pl_drawn_settings drawn = drawn_of(&one, 1, false);
     int thirds[3];
-    assert_int_equal(design.count, SETTINGS);
+    assert_int_equal(drawn.count, SETTINGS);
     for (int option = A; option <= B; ++option) { /* a stratum each */
-        count_thirds(&design, option, thirds);
+        count_thirds(&drawn, option, thirds);
         for (int i = 0; i < 3; ++i) {
-            assert_int_equal(thirds[i], SETTINGS / 3);
+            assert_in_range(thirds[i], SETTINGS / 3, SETTINGS / 3 + 1);
         }
     }
-    count_thirds(&design, C, thirds);
+    count_thirds(&drawn, C, thirds);
     assert_true(thirds[0] >= 6 && thirds[1] >= 6 && thirds[2] >= 6);
-    count_thirds(&design, D, thirds);
+    count_thirds(&drawn, D, thirds);
     assert_int_equal(thirds[0], SETTINGS / 2);
     assert_int_equal(thirds[2], SETTINGS / 2);
-    pl_design_free(&design);
+    pl_drawn_settings_free(&drawn);
 }
 
 static void test_steps_and_profiles_have_equal_shares(void **state)
 {
     (void)state;
     pl_configuration one = configuration(0, 0);
-    pl_design design = design_of(&one, 1, true);
+    pl_drawn_settings drawn = drawn_of(&one, 1, true);
     int of_step[3] = {0}, of_profile[2] = {0};
-    for (int i = 0; i < design.count; ++i) {
-        const pl_design_setting *setting = &design.items[i];
+    for (int i = 0; i < drawn.count; ++i) {
+        const pl_setting *setting = &drawn.items[i];
         for (int k = 0; k < 3; ++k) {
             of_step[k] += setting->dt == steps[k];
         }
         of_profile[setting->choice.profile] += 1;
     }
     for (int k = 0; k < 3; ++k) {
-        assert_int_equal(of_step[k], SETTINGS / 3);
+        assert_in_range(of_step[k], SETTINGS / 3, SETTINGS / 3 + 1);
     }
     assert_int_equal(of_profile[0], SETTINGS / 2);
     assert_int_equal(of_profile[1], SETTINGS / 2);
-    pl_design_free(&design);
+    pl_drawn_settings_free(&drawn);
 }
 
 static void test_what_is_not_tuned_keeps_its_value(void **state)
@@ -132,28 +165,28 @@ static void test_what_is_not_tuned_keeps_its_value(void **state)
     (void)state;
     pl_configuration both[] = {configuration(0, 0), configuration(0, 1)};
     both[0].choice.values[B] = 0.7; /* as the user set it */
-    pl_design design = design_of(both, 2, false);
-    for (int i = 0; i < design.count; ++i) {
-        const pl_engine_choice *choice = &design.items[i].choice;
+    pl_drawn_settings drawn = drawn_of(both, 2, false);
+    for (int i = 0; i < drawn.count; ++i) {
+        const pl_engine_choice *choice = &drawn.items[i].choice;
         assert_true(choice->values[E] == (choice->profile == 0 ? 7 : 8));
         assert_true(choice->profile == 1 || choice->values[B] == 0.7);
         assert_true(choice->profile == 0 || choice->values[C] == 10);
     }
-    pl_design_free(&design);
+    pl_drawn_settings_free(&drawn);
 }
 
-static bool is_same_setting(const pl_design_setting *a, const pl_design_setting *b)
+static bool is_same_setting(const pl_setting *a, const pl_setting *b)
 {
     return a->dt == b->dt && a->choice.profile == b->choice.profile &&
            memcmp(a->choice.values, b->choice.values, OPTIONS * sizeof *a->choice.values) == 0;
 }
 
-static void test_a_design_does_not_depend_on_other_engines(void **state)
+static void test_settings_do_not_depend_on_other_engines(void **state)
 {
     (void)state;
     pl_configuration alone = configuration(0, 0);
     pl_configuration both[] = {configuration(1, 0), configuration(0, 0)};
-    pl_design one = design_of(&alone, 1, true), two = design_of(both, 2, true);
+    pl_drawn_settings one = drawn_of(&alone, 1, true), two = drawn_of(both, 2, true);
     int different = 0;
     assert_int_equal(two.count, 2 * one.count);
     for (int i = 0; i < one.count; ++i) {
@@ -162,19 +195,19 @@ static void test_a_design_does_not_depend_on_other_engines(void **state)
         different += !is_same_setting(&one.items[i], &two.items[2 * i]);
     }
     assert_true(different > SETTINGS / 2); /* engines have orders of their own */
-    pl_design_free(&one);
-    pl_design_free(&two);
+    pl_drawn_settings_free(&one);
+    pl_drawn_settings_free(&two);
 }
 
 /* Numbers that every machine must draw. */
-static void test_the_design_is_the_same_everywhere(void **state)
+static void test_settings_are_the_same_everywhere(void **state)
 {
     (void)state;
     pl_configuration one = configuration(0, 0);
-    pl_design design = design_of(&one, 1, false);
-    const double *first = design.items[0].choice.values;
-    assert_true(first[A] == 0.000681 && first[B] == 0.228 && first[C] == 9);
-    pl_design_free(&design);
+    pl_drawn_settings drawn = drawn_of(&one, 1, false);
+    const double *first = drawn.items[0].choice.values;
+    assert_true(first[A] == 4.94e-05 && first[B] == 0.171 && first[C] == 193);
+    pl_drawn_settings_free(&drawn);
 }
 
 /* Beyond its critical value a scene has another right answer: slope-tip within 1 % may have to tip. */
@@ -197,11 +230,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_change_never_crosses_a_critical_value),
+        cmocka_unit_test(test_points_have_a_stratum_each),
+        cmocka_unit_test(test_dimensions_have_orders_of_their_own),
         cmocka_unit_test(test_options_take_values_all_over_their_ranges),
         cmocka_unit_test(test_steps_and_profiles_have_equal_shares),
         cmocka_unit_test(test_what_is_not_tuned_keeps_its_value),
-        cmocka_unit_test(test_a_design_does_not_depend_on_other_engines),
-        cmocka_unit_test(test_the_design_is_the_same_everywhere),
+        cmocka_unit_test(test_settings_do_not_depend_on_other_engines),
+        cmocka_unit_test(test_settings_are_the_same_everywhere),
     };
-    return cmocka_run_group_tests_name("sweep_design", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("sweep settings", tests, NULL, NULL);
 }

@@ -1,6 +1,10 @@
 #include "tunable.h"
 
+#include "base/heap.h"
+#include "base/json_field.h"
+
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool names_any(const pl_engine_info *engine)
@@ -62,54 +66,41 @@ bool pl_tune_spec_fits(const pl_engine_choice *choice, const bool *varied)
     return size <= PL_SPEC_SIZE;
 }
 
-/* Prints `code` with `value` in place of {}. */
-static void print_code(FILE *out, const char *code, const char *value)
+/* Adds `code` with `value` in place of {}. */
+static void add_code(json_t *lines, const char *code, const char *value)
 {
     const char *place = strstr(code, "{}");
-    if (place == NULL) {
-        fprintf(out, "    %s\n", code);
-    } else {
-        fprintf(out, "    %.*s%s%s\n", (int)(place - code), code, value, place + 2);
-    }
+    char *line = place == NULL
+                     ? pl_heap_copy(code)
+                     : pl_heap_format("%.*s%s%s", (int)(place - code), code, value, place + 2);
+    json_array_append_new(lines, pl_json_text(line, strlen(line)));
+    free(line);
 }
 
-static void print_step(FILE *out, const char *code, double dt)
+static void add_step(json_t *lines, const char *code, double dt)
 {
     char text[48];
     const double rate = 1 / dt;
     const bool whole = fabs(rate - nearbyint(rate)) < 1e-9 * rate;
     snprintf(text, sizeof text, whole ? "1.0 / %.0f" : "%.9g", whole ? nearbyint(rate) : dt);
-    print_code(out, code, text);
+    add_code(lines, code, text);
 }
 
-static bool is_printed(const pl_engine_choice *choice, int option)
-{
-    const double *defaults = pl_engine_profile_values(choice->engine, choice->profile);
-    return choice->engine->options[option].code != NULL &&
-           choice->values[option] != defaults[option];
-}
-
-bool pl_tune_has_api(const pl_engine_choice *choice, double dt)
-{
-    bool any = !isnan(dt) && choice->engine->profiles[choice->profile].step_code != NULL;
-    for (int i = 0; i < choice->engine->option_count; ++i) {
-        any = any || is_printed(choice, i);
-    }
-    return any;
-}
-
-void pl_tune_print_api(FILE *out, const pl_engine_choice *choice, double dt)
+json_t *pl_tune_api(const pl_engine_choice *choice, double dt)
 {
     const pl_engine_info *engine = choice->engine;
+    const double *defaults = pl_engine_profile_values(engine, choice->profile);
+    const char *step_code = engine->profiles[choice->profile].step_code;
+    json_t *lines = json_array();
     for (int i = 0; i < engine->option_count; ++i) {
-        if (is_printed(choice, i)) {
+        if (engine->options[i].code != NULL && choice->values[i] != defaults[i]) {
             char value[32];
             snprintf(value, sizeof value, "%.15g", choice->values[i]);
-            print_code(out, engine->options[i].code, value);
+            add_code(lines, engine->options[i].code, value);
         }
     }
-    const char *step_code = engine->profiles[choice->profile].step_code;
-    if (!isnan(dt) && step_code != NULL) {
-        print_step(out, step_code, dt);
+    if (step_code != NULL) {
+        add_step(lines, step_code, dt);
     }
+    return lines;
 }
