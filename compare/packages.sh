@@ -23,7 +23,7 @@ want() {
     "$@" >/dev/null 2>&1 || missing_wanted+=("$package")
 }
 
-# engine_member ENGINE KEY: that member of the engine's description, a text or a number; nothing where it has none.
+# engine_member ENGINE KEY: prints that member of the engine's description, a text or a number; nothing if there is none.
 engine_member() {
     sed -nE "s/^ \"$2\": \"?([^\"]*[^\",])\"?,?\$/\1/p" "$adapters/$1/engine.json"
 }

@@ -1,4 +1,4 @@
-"""Writes ENGINES.md anew, from what stands in it before the mark and the engines' descriptions: engines_page.py >PAGE."""
+"""Prints ENGINES.md: its text up to the mark, and the tables of the engines' descriptions: engines_page.py >PAGE."""
 import json
 import pathlib
 

@@ -126,7 +126,8 @@ void for_each_profile(void (*law)(const pl_engine_choice *choice))
         if (known[i].entry != NULL) {
             assert_int_equal(pl_engine_of_build(&known[i], &engine, NULL), PL_OK);
         }
-        for (int p = 0; engine != NULL && p < engine->profile_count; ++p) {
+        const bool has_boxes = engine != NULL && (engine->capabilities & PL_NEEDS_BOX) != 0;
+        for (int p = 0; has_boxes && p < engine->profile_count; ++p) {
             pl_engine_choice choice;
             char spec[2 * PL_NAME_SIZE];
             snprintf(spec, sizeof spec, "%s:%s", known[i].name, engine->profiles[p].name);
