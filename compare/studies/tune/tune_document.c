@@ -203,14 +203,14 @@ static void add_checks(pl_document *document, const json_t *conclusion, const js
     pl_document_table(document, "Runs on changed scenarios", &table);
 }
 
-/* Cost against excess of all trials, and of the answer. */
+/* Cost against excess of all trials. */
 static void add_plot(pl_document *document, const json_t *conclusion)
 {
     json_t *trial, *plot = pl_plot_make(PL_PLOT_POINTS, "Settings tried",
                                         is_true(conclusion, "cost_is_ratio")
                                             ? "cost, over that of the default settings"
                                             : "cost (s per simulated second)",
-                                        "largest ln(value / target): met at 0 and below");
+                                        "largest value over its target: met at 1 and below");
     const json_t *trials = json_object_get(conclusion, "trials");
     pl_document_heading(document, "The search");
     double *numbers = pl_heap_new(2 * json_array_size(trials) + 1, sizeof *numbers);
@@ -222,7 +222,7 @@ static void add_plot(pl_document *document, const json_t *conclusion)
             const double cost = number_of(trial, "cost"), excess = number_of(trial, "excess");
             if (isfinite(cost) && excess < PL_SEARCH_WORST && (excess <= 0) == met) {
                 numbers[count++] = cost;
-                numbers[count++] = excess;
+                numbers[count++] = exp(excess);
             }
         }
         if (count > 0) {
