@@ -229,7 +229,7 @@ static pl_status add_tuned(pl_plan *base, pl_error *error)
     return status;
 }
 
-/* What the usual sweep varies: the time step, and drawn settings. */
+/* The usual sweep varies the time step, and has drawn settings. */
 static pl_status make_usual(options *o, pl_plan *base, pl_drawn_settings *drawn, pl_error *error)
 {
     pl_status status = add_vary(o, PL_SWEEP_STEPS, error);

@@ -39,7 +39,7 @@ static pl_status check(void *user, pl_error *error)
     return status;
 }
 
-/* What a tuning needs to run and to finish. */
+/* The tuning, for its runs and its end. */
 typedef struct work {
     pl_tune_def def;
     char *profile; /* path */

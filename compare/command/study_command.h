@@ -14,7 +14,7 @@ typedef struct pl_study_work {
     /* Makes the runs: sets the plan of *how, which has all else, and executes it, in rounds if need be. */
     pl_status (*run)(void *user, pl_execution_def *how, int *signal_number, pl_error *error);
     const char *output; /* a further file that `finish` writes; NULL: none */
-    /* Does more with the conclusion, and sets the exit code where it is not 0. NULL: nothing. */
+    /* Does more with the conclusion, and can set the exit code. NULL: nothing. */
     pl_status (*finish)(void *user, const json_t *conclusion, int *code, pl_error *error);
 } pl_study_work;
 

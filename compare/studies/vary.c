@@ -122,7 +122,7 @@ static pl_status read_step(const char *step, range *r, pl_error *error)
     return PL_OK;
 }
 
-/* Reads "A..B", of which `end` is the end. */
+/* Reads "A..B", which ends at `end`. */
 static pl_status read_ends(const char *end, bool may_be_equal, range *r, pl_error *error)
 {
     const char *dots = strstr(r->text, "..");

@@ -28,6 +28,8 @@ python3 - <<'END' || note_failure "the JSON is wrong: $(cat fall.json)"
 import json
 found = json.load(open("fall.json"))
 assert found["schema"] == "plumb.tuning/1" and found["met"] is True
+assert found["cost"] > 0 and found["validation"]
+assert found["sensitivity"] and all(moved["cost_ratio"] > 0 for moved in found["sensitivity"])
 assert len(found["trials"]) <= 16
 values = [tuple(sorted(trial["values"].items())) for trial in found["trials"]]
 assert len(set(values)) == len(values)

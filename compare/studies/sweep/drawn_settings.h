@@ -12,7 +12,7 @@ typedef struct pl_drawn_settings {
     int count;
 } pl_drawn_settings;
 
-/* What settings are drawn from. */
+/* The engines, steps and number of settings to draw. */
 typedef struct pl_draw_def {
     const pl_plan *plan; /* its configurations name the engines */
     const double *steps; /* (step_count): s, those that a setting may have */

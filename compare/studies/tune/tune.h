@@ -23,8 +23,8 @@ typedef struct pl_tune_def {
 pl_status pl_tune_run(const pl_tune_def *def, const pl_execution_def *how, int *signal_number,
                       pl_error *error);
 
-/* The study: its conclusion is a plumb.tuning/1 (SCHEMA.md). Where the engine was built anew between runs, it is of the
- * build of the last one. */
+/* The study: its conclusion is a plumb.tuning/1 (SCHEMA.md). If the runs are of several builds
+ * of the engine, it is of the build of the last run. */
 extern const pl_study pl_tune_study;
 
 /* plumb.profile/1 of a conclusion, as pl_engine_choose reads it. A new reference. */

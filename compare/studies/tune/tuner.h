@@ -6,8 +6,10 @@
 #include "studies/variant.h"
 #include "tune.h"
 
-/* Repeats of a setting that meets the targets, of which the first does not count, and of the finalists. */
-enum { PL_TUNER_REPEATS = 4, PL_TUNE_REPEATS = 5 };
+enum {
+    PL_TUNER_REPEATS = 4, /* of a trial that meets the targets: the first does not count */
+    PL_TUNE_REPEATS = 5   /* of the finalists */
+};
 
 /* ---- What is measured ---- */
 
@@ -109,7 +111,7 @@ bool pl_tuner_is_of(const json_t *study, const json_t *run);
 /* Takes a result of the study: what it says is known from then on. */
 void pl_tuner_take(pl_tuner *tuner, json_t *result);
 
-/* Reads the runs, of which a tuning in progress first makes those that are missing. Runs that take much longer than
+/* Reads the runs. A tuning in progress first makes those that are missing. Runs that take much longer than
  * those of the best evaluation are cut short. The caller frees *readings in any case. */
 pl_status pl_tuner_measure(pl_tuner *tuner, pl_tuner_runs runs, pl_readings *readings,
                            pl_error *error);

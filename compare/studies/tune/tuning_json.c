@@ -38,7 +38,7 @@ static bool is_whole(const json_t *run)
 static pl_status take_results(pl_tuner *t, const json_t *results, pl_error *error)
 {
     const size_t last = json_array_size(results) - 1;
-    const json_t *build = json_object_get(json_array_get(results, last), "engine_binary");
+    const char *build = pl_json_get_text(json_array_get(results, last), "engine_binary");
     for (size_t i = 0; i <= last; ++i) {
         json_t *result = json_array_get(results, i);
         const json_t *run = json_object_get(result, "study");
@@ -52,7 +52,7 @@ static pl_status take_results(pl_tuner *t, const json_t *results, pl_error *erro
                            "concluded one at a time",
                            i, last);
         }
-        if (json_equal(json_object_get(result, "engine_binary"), build)) {
+        if (strcmp(pl_json_get_text(result, "engine_binary"), build) == 0) {
             pl_tuner_take(t, result);
         }
     }
