@@ -103,7 +103,7 @@ void pl_tuner_free(pl_tuner *tuner);
  * "parameters" and "budget". A new reference. */
 json_t *pl_tuner_study(const pl_tune_def *def);
 
-/* Whether the `study` of a run is of that tuning. */
+/* Whether the `study` of a run is of that tuning, whatever its scenes were when it was made. */
 bool pl_tuner_is_of(const json_t *study, const json_t *run);
 
 /* ---- Runs ---- */

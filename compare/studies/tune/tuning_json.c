@@ -34,7 +34,7 @@ static bool is_whole(const json_t *run)
             json_array_size(values) == json_array_size(json_object_get(run, "parameters")));
 }
 
-/* Takes the results of the build that made the last one. */
+/* Takes the results of the engine's build that made the last one, and of its scenes. */
 static pl_status take_results(pl_tuner *t, const json_t *results, pl_error *error)
 {
     const size_t last = json_array_size(results) - 1;
@@ -52,7 +52,8 @@ static pl_status take_results(pl_tuner *t, const json_t *results, pl_error *erro
                            "concluded one at a time",
                            i, last);
         }
-        if (strcmp(pl_json_get_text(result, "engine_binary"), build) == 0) {
+        if (strcmp(pl_json_get_text(result, "engine_binary"), build) == 0 &&
+            json_equal(json_object_get(run, "scenes"), json_object_get(t->study, "scenes"))) {
             pl_tuner_take(t, result);
         }
     }
