@@ -135,10 +135,9 @@ int pl_call_end_study(const pl_call *call, pl_journal *journal, pl_status status
 json_t *pl_call_provenance(const pl_call *call, pl_error *error);
 
 /* The commands, one file each: command_<name>.c. */
-extern const pl_command pl_command_compare, pl_command_run, pl_command_threshold, pl_command_list,
-    pl_command_scene, pl_command_ensemble, pl_command_sweep, pl_command_tune, pl_command_report,
-    pl_command_metamorphic, pl_command_gate, pl_command_check_engine, pl_command_new_engine,
-    pl_command_view, pl_command_doctor;
+#define COMMAND(name) extern const pl_command pl_command_##name;
+#define STUDY(name) COMMAND(name)
+#include "commands.def"
 
 /* All commands in the order of `plumb help`, which has no description. Static storage. */
 const pl_command *const *pl_commands(int *count);

@@ -19,23 +19,11 @@ static const pl_command HELP = {
 static const pl_command VERSION = {
     .name = "version", .summary = "print the version", .arguments = "", .run = version};
 
-static const pl_command *const COMMANDS[] = {&pl_command_compare,
-                                             &pl_command_run,
-                                             &pl_command_threshold,
-                                             &pl_command_list,
-                                             &pl_command_scene,
-                                             &pl_command_ensemble,
-                                             &pl_command_sweep,
-                                             &pl_command_tune,
-                                             &pl_command_report,
-                                             &pl_command_view,
-                                             &pl_command_metamorphic,
-                                             &pl_command_gate,
-                                             &pl_command_check_engine,
-                                             &pl_command_new_engine,
-                                             &pl_command_doctor,
-                                             &HELP,
-                                             &VERSION};
+static const pl_command *const COMMANDS[] = {
+#define COMMAND(name) &pl_command_##name,
+#define STUDY(name) COMMAND(name)
+#include "commands.def"
+    &HELP, &VERSION};
 enum { COMMAND_COUNT = sizeof COMMANDS / sizeof COMMANDS[0] };
 
 static const char INTRODUCTION[] = "plumb runs canonical scenarios on rigid-body physics engines, "

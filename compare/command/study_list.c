@@ -1,13 +1,18 @@
 #include "study_list.h"
 
-#include "studies/threshold/threshold.h"
-#include "studies/tune/tune.h"
-
 #include <string.h>
+
+#define COMMAND(name)
+#define STUDY(name) extern const pl_study pl_##name##_study;
+#include "commands.def"
 
 const pl_study *const *pl_studies(int *count)
 {
-    static const pl_study *const studies[] = {&pl_threshold_study, &pl_tune_study};
+    static const pl_study *const studies[] = {
+#define COMMAND(name)
+#define STUDY(name) &pl_##name##_study,
+#include "commands.def"
+    };
     *count = (int)(sizeof studies / sizeof *studies);
     return studies;
 }
