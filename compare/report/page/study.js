@@ -1,5 +1,4 @@
-/* Pages of the other studies: thresholds with their brackets, ensembles as distributions, metamorphic
- * checks, tuning. The rest of a study is shown as tables of its JSON. */
+/* Pages of the other studies: ensembles as distributions; the rest as tables of their JSON. */
 import { facts, h, p, section, table } from './dom.js';
 import { styles as stylesOf } from './engines.js';
 import { digits, plural } from './format.js';
@@ -16,22 +15,6 @@ function plain(caption, rows, keys) {
 
 const byLabel = (rows) => stylesOf([...new Set(rows)].map((name) => ({ name, engine: name.split(':')[0] })));
 const groups = (rows, key) => Map.groupBy ? Map.groupBy(rows, key) : rows.reduce((m, r) => m.set(key(r), [...(m.get(key(r)) ?? []), r]), new Map());
-
-function threshold(study) {
-  const rows = Array.isArray(study) ? study : study.rows ?? [study], styles = byLabel(rows.map((r) => r.label));
-  const parts = [...groups(rows, (r) => JSON.stringify([r.scenario, r.params, r.param]))].map(([, found], i) => {
-    const first = found[0], unit = first.unit === '1' ? '' : ` (${first.unit})`;
-    const drawn = hasPlots ? plot(`${first.scenario}: critical ${first.param} of each engine, with its bracket`, { width: 700, height: 60 + 26 * found.length, marginLeft: 150, x: { label: `${first.param}${unit}`, grid: true }, y: { label: null },
-      marks: [first.closed_form === null ? null : Plot.ruleX([first.closed_form], { strokeDasharray: '4 3', strokeWidth: 2 }),
-        Plot.ruleY(found.filter((r) => r.bracket?.[0] !== null), { y: 'label', x1: (r) => r.bracket[0], x2: (r) => r.bracket[1], stroke: (r) => styles.get(r.label).colour, strokeWidth: 5, strokeOpacity: 0.5 }),
-        Plot.dot(found.filter((r) => r.value !== null), { x: 'value', y: 'label', fill: (r) => styles.get(r.label).colour, r: 5 })] }) : null;
-    return section(`threshold-${i}`, `${first.scenario}: ${first.param}`, drawn,
-      facts([['Closed form', first.formula && `${first.formula} = ${digits(first.closed_form, 6)}`], ['Holds', first.holds_below === null ? null : first.holds_below ? 'below the critical value' : 'above the critical value'], ['Tolerance', digits(first.tolerance)]]),
-      table({ caption: 'Critical values', columns: [{ name: 'engine' }, { name: 'finding' }, { name: 'critical value', right: true }, { name: 'bracket', right: true }, { name: 'closed form', right: true }, { name: 'error', right: true }, { name: 'relative', right: true }, { name: 'runs', right: true }, { name: 'reason', wide: true }],
-        rows: found.map((r) => [r.label, r.finding, { text: digits(r.value, 6), value: r.value }, r.bracket?.[0] === null ? '–' : `${digits(r.bracket[0], 6)} to ${digits(r.bracket[1], 6)}`, cell(r.closed_form), cell(r.error), cell(r.relative_error), r.runs, r.reason ?? '']) }));
-  });
-  return { title: 'Plumb: thresholds', lead: `${plural(rows.length, 'critical value')}, found by bisection`, parts };
-}
 
 function ensemble(study) {
   const items = study.ensembles, styles = byLabel(items.map((e) => e.name)), apart = study.comparisons.filter((c) => c.verdict === 'told apart');
@@ -54,16 +37,6 @@ function ensemble(study) {
   return { title: 'Plumb: ensembles', lead: `${plural(items.length, 'ensemble')} of ${study.members} members`, parts };
 }
 
-const grades = { bitwise: 'd0', exact: 'd1', close: 'd2', differs: 'd4', failed: 'failed', inapplicable: 'none' };
-
-function metamorphic(study) {
-  const trials = Array.isArray(study) ? study : study.trials ?? [study], checks = [...new Set(trials.flatMap((t) => t.checks.map((c) => c.check)))];
-  const rows = trials.map((t) => [`${t.scenario} · ${t.label}`, ...checks.map((name) => { const c = t.checks.find((x) => x.check === name); return c ? { text: c.verdict, style: grades[c.verdict] ?? 'none', title: [c.reason, `position ${digits(c.end?.position)}, rotation ${digits(c.end?.rotation)}`].filter(Boolean).join('\n') } : '–'; })]);
-  return { title: 'Plumb: metamorphic checks', lead: 'the same scene moved, turned, mirrored, scaled or built of other solids must give the same motion', parts: [
-    section('checks', 'Checks', table({ caption: 'Verdict of each check; a title has the difference', columns: [{ name: 'scenario and engine' }, ...checks.map((name) => ({ name }))], rows, style: 'matrix' })),
-    section('differences', 'Differences', plain('Early in the run and at its end', trials.flatMap((t) => t.checks.map((c) => ({ scenario: t.scenario, engine: t.label, check: c.check, verdict: c.verdict, early_position: c.early?.position ?? null, end_position: c.end?.position ?? null, early_rotation: c.early?.rotation ?? null, end_rotation: c.end?.rotation ?? null, reason: c.reason ?? '' })))))] };
-}
-
 /* Every array of objects as a table, the rest as facts. */
 function other(kind, study) {
   const arrays = Object.entries(study).filter(([, v]) => Array.isArray(v) && v.length > 0 && typeof v[0] === 'object' && v[0] !== null);
@@ -72,6 +45,6 @@ function other(kind, study) {
 }
 
 export function study(kind, json) {
-  const pages = { threshold, ensemble, metamorphic };
+  const pages = { ensemble };
   return kind in pages ? pages[kind](json) : other(kind, json);
 }
