@@ -51,6 +51,10 @@ study() {
 
 faulty=$BUILD/faulty_engine.so
 study metamorphic --engine plumb --engine "$faulty:good" --engine "$faulty:abort"
+study ensemble --members 7 --engine plumb --engine "$faulty:good" --engine "$faulty:abort" --against itself
+
+# Where no trajectory is left, the horizon is that of the conclusion before.
+grep -q 'horizon.*not passed' before.json || grep -q '"last_spread"' before.json || note_failure "no horizon is known: $(cat before.json)"
 
 # Checks that are added need the frames of the plain run, which is made again and has one result.
 scene 0.5
