@@ -62,7 +62,8 @@ static const entry FILES[] = {
      "Its tables: in Markdown, with a row for each run, and with a row for each run and metric"},
     {"report/results.jsonl", "Its results, a line each, which plumb report and plumb gate read"},
     {"report/recordings/", "Poses, contacts and curves of its runs"},
-    {"plumb-*.unfinished.jsonl", "The runs of a study that has not ended, which --resume takes"},
+    {"STUDY/results.jsonl, STUDY/STUDY.json, STUDY/STUDY.md, STUDY/STUDY.html",
+     "The runs of a study, such as threshold, its conclusion, and its document"},
     {"ENGINE.profile.json", "The settings that plumb tune found"},
     {"~/.cache/plumb/", "What plumb check-engine found, for each binary and profile"}};
 

@@ -329,48 +329,6 @@ int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, 
     return pl_call_end(call, status, error, signal_number, code);
 }
 
-/* Whether it is the option or, as getopt takes it, its beginning. */
-static bool is_option(const char *argument, const char *option)
-{
-    return strlen(argument) > 2 && strncmp(option, argument, strlen(argument)) == 0;
-}
-
-pl_status pl_call_journal(const pl_call *call, const char *folder, pl_store_mode mode,
-                          pl_journal **journal, pl_error *error)
-{
-    uint64_t hash = PL_HASH_START;
-    char study[PL_HASH_TEXT_SIZE];
-    for (int i = 1; i < call->program_argc; ++i) {
-        const char *argument = call->program_argv[i];
-        if (!is_option(argument, "--resume") && !is_option(argument, "--force")) {
-            hash = pl_hash_byte(pl_hash_text(hash, argument), 0);
-        }
-    }
-    pl_hash_hex(hash, study);
-    const char *where = folder == NULL ? "." : folder;
-    const pl_status status =
-        pl_journal_open(where, call->command->name, study, mode, journal, error);
-    if (status == PL_OK && *journal == NULL && access(where, W_OK) != 0) {
-        pl_print_line(stderr, "%s: %s: --resume will not find the runs of this study", where,
-                      strerror(errno));
-    }
-    return status;
-}
-
-int pl_call_end_study(const pl_call *call, pl_journal *journal, pl_status status,
-                      const pl_error *error, int signal_number, int code)
-{
-    const bool finished = status == PL_OK && signal_number == 0;
-    if (!finished && journal != NULL && pl_journal_size(journal) > 0) {
-        fprintf(stderr,
-                "%s: not finished; what was found is in %s.jsonl: the same command with --resume "
-                "goes on from there\n",
-                call->argv[0], pl_journal_path(journal));
-    }
-    pl_journal_close(journal, finished);
-    return pl_call_end(call, status, error, signal_number, code);
-}
-
 json_t *pl_call_provenance(const pl_call *call, pl_error *error)
 {
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);

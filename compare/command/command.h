@@ -5,7 +5,7 @@
 #define PLUMB_COMMAND_H
 
 #include "plumb/base.h"
-#include "results/journal.h"
+#include "results/store.h"
 
 #include <jansson.h>
 #include <stddef.h>
@@ -119,15 +119,6 @@ int pl_call_end(const pl_call *call, pl_status status, const pl_error *error, in
 /* pl_call_end of a command whose results are in the store (NULL: not opened) of `folder`, which it closes. One that did
  * not come to its end says how to go on. */
 int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, pl_status status,
-                      const pl_error *error, int signal_number, int code);
-
-/* Opens the journal of the study that this call makes, in the folder of --out, which exists, or in
- * the working directory. The call is the same as another where only --resume and --force differ. */
-pl_status pl_call_journal(const pl_call *call, const char *folder, pl_store_mode mode,
-                          pl_journal **journal, pl_error *error);
-
-/* pl_call_end of a study with a journal (NULL allowed), which it closes. */
-int pl_call_end_study(const pl_call *call, pl_journal *journal, pl_status status,
                       const pl_error *error, int signal_number, int code);
 
 /* The provenance of results of this call (pl_provenance), a new reference; NULL with an error when

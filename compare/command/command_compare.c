@@ -8,6 +8,7 @@
 #include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
+#include "runner/positions.h"
 #include "runner/recording.h"
 #include "studies/iterations/iterations_to_tolerance.h"
 #include "studies/reference/reference_study.h"
@@ -132,7 +133,7 @@ static pl_status begin_references(const options *o, const pl_plan *plan, referen
     }
     r->before = o->request.resume ? json_load_file(r->path, 0, NULL) : NULL;
     if (!o->request.resume) {
-        pl_reference_study_clear(r->folder);
+        pl_positions_clear(r->folder);
     }
     pl_status status =
         o->no_reference ? PL_OK : pl_reference_study_due(plan, r->before, &r->due, error);
@@ -160,7 +161,7 @@ static pl_status make_references(const options *o, const pl_plan *plan, const js
     if (status == PL_OK && r->outcome != NULL) {
         status = pl_results_write_json(r->path, r->outcome, error);
     }
-    pl_reference_study_clear(r->folder);
+    pl_positions_clear(r->folder);
     return status;
 }
 

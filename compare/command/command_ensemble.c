@@ -1,14 +1,11 @@
 /* plumb ensemble: engines compared where motion is chaotic, so that no single trajectory is right,
- * by the distributions of the end states of many runs from almost the same start. Results are
- * appended to DIR/results.jsonl as runs end. */
+ * by the distributions of the end states of many runs from almost the same start. */
 #include "base/array.h"
-#include "base/folding.h"
-#include "report/study_page.h"
-#include "request.h"
-#include "results/store.h"
-#include "runner/execute.h"
-#include "studies/ensemble/ensemble_report.h"
+#include "base/heap.h"
+#include "runner/positions.h"
+#include "studies/ensemble/ensemble.h"
 #include "studies/ensemble/verdict.h"
+#include "study_command.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -74,104 +71,34 @@ static pl_status add_cases(void *user, int setting, pl_plan *plan, pl_error *err
     return pl_request_add_cases(&request, plan, error);
 }
 
-static char *path_in(const char *folder, const char *name, pl_error *error)
-{
-    char *path = NULL;
-    if (asprintf(&path, "%s/%s", folder, name) < 0) {
-        pl_fail(error, PL_NO_MEMORY, "out of memory");
-        return NULL;
-    }
-    return path;
-}
+/* The plan, and where its trajectories go. */
+typedef struct planned_work {
+    pl_plan plan;
+    pl_ensembles ensembles;
+    char *trajectories;
+} planned_work;
 
-/* Files, then the summary on standard output, unless the JSON is there. */
-static pl_status deliver(const options *o, const pl_ensemble_outcome *outcome, pl_error *error)
+static pl_status make_runs(void *user, pl_execution_def *how, int *signal_number, pl_error *error)
 {
-    char *json = path_in(o->request.out, "ensemble.json", error);
-    char *summary = path_in(o->request.out, "summary.md", error);
-    pl_status status = json == NULL || summary == NULL ? error->status : PL_OK;
-    if (status == PL_OK) {
-        status = pl_results_write_json(json, outcome->json, error);
-    }
-    if (status == PL_OK) {
-        status = pl_write_text(summary, outcome->summary, strlen(outcome->summary), error);
-    }
-    if (status == PL_OK) {
-        status = pl_study_page_write(o->request.out, "ensemble", outcome->json, error);
-    }
-    if (status == PL_OK) {
-        status = pl_results_write_json(o->request.json, outcome->json, error);
-    }
-    if (!pl_is_stdout(o->request.json)) {
-        fputs(outcome->text, stdout);
-    }
-    free(json);
-    free(summary);
-    return status;
-}
-
-/* What the runs that are there say. */
-static pl_status conclude(const options *o, const pl_plan *plan, const pl_ensembles *ensembles,
-                          const json_t *results, const char *folder, pl_error *error)
-{
-    pl_ensemble_outcome outcome;
-    char *path = path_in(o->request.out, "ensemble.json", error);
-    if (path == NULL) {
-        return PL_NO_MEMORY;
-    }
-    json_t *before = o->request.resume ? json_load_file(path, 0, NULL) : NULL;
-    free(path);
-    pl_status status = pl_ensemble_conclude(plan, ensembles, results, folder, before,
-                                            pl_window_width(stdout), &outcome, error);
-    if (status == PL_OK) {
-        status = deliver(o, &outcome, error);
-    }
-    if (status == PL_OK && !o->keep) {
-        pl_ensemble_clear(plan, ensembles, folder);
-    }
-    pl_ensemble_outcome_free(&outcome);
-    json_decref(before);
-    return status;
+    const planned_work *work = user;
+    how->positions = work->trajectories;
+    const pl_status status = pl_make_directories(work->trajectories, error);
+    return status == PL_OK
+               ? pl_ensemble_run(&work->plan, &work->ensembles, how, signal_number, error)
+               : status;
 }
 
 /* Runs what is due and concludes. */
-static int execute(const pl_call *call, const options *o, const pl_plan *plan,
-                   const pl_ensembles *ensembles)
+static int execute(const pl_call *call, const options *o, planned_work *planned)
 {
-    pl_error error = {.message = ""};
-    pl_store *store = NULL;
-    int signal_number = 0;
-    int code = PL_EXIT_OK;
-    static const char *const report_files[] = {"ensemble.json", NULL};
-    const pl_store_mode mode = pl_store_mode_of(o->request.resume, o->request.force);
-    char *folder = path_in(o->request.out, "trajectories", &error);
-    json_t *provenance = pl_call_provenance(call, &error);
-    pl_status status = provenance == NULL || folder == NULL
-                           ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                           : pl_store_open(o->request.out, mode, report_files, &store, &error);
-    if (status == PL_OK) {
-        status = pl_make_directories(folder, &error);
+    const pl_study_work work = {&pl_ensemble_study, planned, make_runs};
+    planned->trajectories = pl_heap_format("%s/trajectories", o->request.out);
+    const int code = pl_study_command(call, &o->request, &work);
+    if (!o->keep && (code == PL_EXIT_OK || code == PL_EXIT_NOTHING)) {
+        pl_positions_clear(planned->trajectories);
     }
-    if (status == PL_OK) {
-        const pl_execution_def execution = {.plan = plan,
-                                            .jobs = o->request.jobs,
-                                            .limits = o->request.limits,
-                                            .positions = folder,
-                                            .provenance = provenance,
-                                            .store = store,
-                                            .progress = stderr};
-        status = pl_execute(&execution, &signal_number, &error);
-    }
-    if (status == PL_OK && signal_number == 0) {
-        status = conclude(o, plan, ensembles, pl_store_results(store), folder, &error);
-        code = pl_results_all_unsupported(pl_store_results(store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-        if (status == PL_OK) {
-            pl_store_finish(store);
-        }
-    }
-    json_decref(provenance);
-    free(folder);
-    return pl_call_end_store(call, store, o->request.out, status, &error, signal_number, code);
+    free(planned->trajectories);
+    return code;
 }
 
 static pl_status make_plan(const pl_call *call, options *o, pl_plan *plan, pl_ensembles *ensembles,
@@ -179,7 +106,6 @@ static pl_status make_plan(const pl_call *call, options *o, pl_plan *plan, pl_en
 {
     const pl_members_def def = {.members = o->members,
                                 .setting_count = o->against.count,
-                                .settings = o->against.items,
                                 .references = o->converged,
                                 .user = o,
                                 .add = add_cases};
@@ -190,7 +116,11 @@ static pl_status make_plan(const pl_call *call, options *o, pl_plan *plan, pl_en
     if (status == PL_OK) {
         status = pl_members_plan(&def, plan, ensembles, error);
     }
-    return status == PL_OK ? pl_verdicts_possible(ensembles, error) : status;
+    if (status == PL_OK) {
+        pl_ensemble_mark(ensembles, o->against.items, plan);
+        status = pl_verdicts_possible(ensembles, error);
+    }
+    return status;
 }
 
 static int core_count(void)
@@ -222,22 +152,18 @@ static int run(const pl_call *call)
     o.request.jobs = core_count();
     pl_call_parse(call, &o);
     pl_error error = {.message = ""};
-    pl_plan plan = {.repeats = 1};
-    pl_ensembles ensembles = {.count = 0};
+    planned_work planned = {.plan = {.repeats = 1}};
     int code = PL_EXIT_OK;
-    pl_status status = pl_request_outputs(&o.request, NULL, &error);
-    if (status == PL_OK) {
-        status = make_plan(call, &o, &plan, &ensembles, &error);
-    }
+    pl_status status = make_plan(call, &o, &planned.plan, &planned.ensembles, &error);
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
-    } else if (ensembles.count == 0) {
+    } else if (planned.ensembles.count == 0) {
         code = pl_call_nothing(call, "there is nothing to compare");
     } else {
-        code = execute(call, &o, &plan, &ensembles);
+        code = execute(call, &o, &planned);
     }
-    pl_ensembles_free(&ensembles);
-    pl_plan_free(&plan);
+    pl_ensembles_free(&planned.ensembles);
+    pl_plan_free(&planned.plan);
     free_options(&o);
     return code;
 }
@@ -261,7 +187,7 @@ static const pl_option OPTIONS[] = {
      "All scenarios of a suite (repeatable; default chaotic when no scenario is named)",
      .kind = PL_OPTION_HELP},
     {"jobs", NULL, "Runs at a time (default: the number of cores)", .kind = PL_OPTION_HELP},
-    {"out", NULL, "Where results and summary go (default ensemble)", .kind = PL_OPTION_HELP},
+    {"out", NULL, "Where results and page go (default ensemble)", .kind = PL_OPTION_HELP},
     {0}};
 
 const pl_command pl_command_ensemble = {

@@ -1,44 +1,27 @@
-/* plumb metamorphic: checks of engines that need no reference. Each trial is printed as it ends. */
-#include "request.h"
-#include "results/store.h"
+/* plumb metamorphic: checks of engines that need no reference. */
+#include "base/heap.h"
 #include "studies/metamorphic/metamorphic.h"
+#include "study_command.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 typedef struct options {
     pl_request request;
     pl_texts checks;
 } options;
 
-typedef struct delivery {
-    const options *options;
-    json_t *trials;
-    bool compared; /* a plain run was not unsupported */
-} delivery;
-
-static pl_status keep(void *user, const pl_checks_of_run *trial, pl_error *error)
-{
-    delivery *d = user;
-    d->compared = d->compared || strcmp(trial->outcome, "unsupported") != 0;
-    if (!pl_is_stdout(d->options->request.json)) {
-        pl_checks_print(stdout, trial);
-    }
-    if (json_array_append_new(d->trials, pl_checks_to_json(trial)) != 0) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for what was found");
-    }
-    return PL_OK;
-}
+/* What is run. */
+typedef struct chosen_work {
+    const pl_plan *plan;
+    bool *chosen; /* of pl_checks */
+} chosen_work;
 
 /* The caller frees *chosen. */
 static pl_status choose_checks(const options *o, bool **chosen, pl_error *error)
 {
     int count;
     (void)pl_checks(&count);
-    *chosen = calloc((size_t)count, sizeof **chosen);
-    if (*chosen == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
+    *chosen = pl_heap_new((size_t)count, sizeof **chosen);
     for (int i = 0; i < count; ++i) {
         (*chosen)[i] = o->checks.count == 0;
     }
@@ -49,35 +32,10 @@ static pl_status choose_checks(const options *o, bool **chosen, pl_error *error)
     return status;
 }
 
-static int execute(const pl_call *call, const options *o, const pl_plan *plan, const bool *chosen)
+static pl_status make_runs(void *user, pl_execution_def *how, int *signal_number, pl_error *error)
 {
-    pl_error error = {.message = ""};
-    int signal_number = 0;
-    int code = PL_EXIT_OK;
-    pl_journal *journal = NULL;
-    delivery d = {.options = o, .trials = json_array()};
-    json_t *provenance = pl_call_provenance(call, &error);
-    pl_status status = provenance == NULL || d.trials == NULL
-                           ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                           : pl_request_journal(call, &o->request, &journal, &error);
-    if (status == PL_OK) {
-        const pl_metamorphic_def def = {.plan = plan,
-                                        .chosen = chosen,
-                                        .limits = o->request.limits,
-                                        .provenance = provenance,
-                                        .journal = journal,
-                                        .progress = stderr,
-                                        .user = &d,
-                                        .keep = keep};
-        status = pl_run_checks(&def, &signal_number, &error);
-    }
-    if (status == PL_OK && signal_number == 0) {
-        code = d.compared ? PL_EXIT_OK : PL_EXIT_NOTHING;
-        status = pl_results_write_json(o->request.json, d.trials, &error);
-    }
-    json_decref(d.trials);
-    json_decref(provenance);
-    return pl_call_end_study(call, journal, status, &error, signal_number, code);
+    const chosen_work *work = user;
+    return pl_metamorphic_run(work->plan, work->chosen, how, signal_number, error);
 }
 
 static pl_status check(void *user, pl_error *error)
@@ -88,12 +46,13 @@ static pl_status check(void *user, pl_error *error)
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
+    o.request.out = "metamorphic";
     pl_call_parse(call, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
-    bool *chosen = NULL;
+    chosen_work chosen = {.plan = &plan};
     int code = PL_EXIT_OK;
-    pl_status status = choose_checks(&o, &chosen, &error);
+    pl_status status = choose_checks(&o, &chosen.chosen, &error);
     if (status == PL_OK) {
         status = pl_request_plan(call, &o.request, &plan, &error);
     }
@@ -102,9 +61,10 @@ static int run(const pl_call *call)
     } else if (pl_plan_size(&plan) == 0) {
         code = pl_call_nothing(call, "there is nothing to compare");
     } else {
-        code = execute(call, &o, &plan, chosen);
+        const pl_study_work work = {&pl_metamorphic_study, &chosen, make_runs};
+        code = pl_study_command(call, &o.request, &work);
     }
-    free(chosen);
+    free(chosen.chosen);
     pl_plan_free(&plan);
     pl_request_free(&o.request);
     free(o.checks.items);
@@ -117,6 +77,12 @@ static const pl_option OPTIONS[] = {
      "far, scale, shift, restart, split, tessellate, late (repeatable; default all)",
      PL_OPTION_TEXTS, .field = offsetof(options, checks),
      .values = "again|rotate|mirror|order|far|scale|shift|restart|split|tessellate|late"},
+    {"json", NULL,
+     "Write an array of an object for each scenario and engine (- is standard output)",
+     .kind = PL_OPTION_HELP},
+    {"out", NULL, "Where results and page go (default metamorphic)", .kind = PL_OPTION_HELP},
+    {"jobs", NULL, "Runs at a time, of the checks of one plain run (default 1)",
+     .kind = PL_OPTION_HELP},
     {0}};
 
 const pl_command pl_command_metamorphic = {
@@ -143,6 +109,6 @@ const pl_command pl_command_metamorphic = {
              "  plumb metamorphic ./mine.json --engine ./mine.so:fast --json - | jq .",
     .options = OPTIONS,
     .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,
-               pl_study_options},
+               pl_jobs_options, pl_out_options},
     .check = check,
     .run = run};

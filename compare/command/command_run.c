@@ -44,11 +44,24 @@ static pl_status check(void *user, pl_error *error)
     return wrong == NULL ? PL_OK : pl_fail(error, PL_BAD_INPUT, "%s", wrong);
 }
 
+/* Where the frames of the run go, and its result. */
+typedef struct kept {
+    FILE *frames; /* NULL: nowhere */
+    json_t *result;
+} kept;
+
+static pl_status give_file(void *user, const char *run, FILE **file, pl_error *error)
+{
+    (void)run;
+    (void)error;
+    *file = ((kept *)user)->frames;
+    return PL_OK;
+}
+
 static pl_status keep(void *user, json_t *result, pl_error *error)
 {
     (void)error;
-    json_t **kept = user;
-    *kept = json_incref(result);
+    ((kept *)user)->result = json_incref(result);
     return PL_OK;
 }
 
@@ -211,16 +224,18 @@ static pl_status execute(const pl_call *call, const options *o, pl_plan *plan, j
         status = open_trajectory(o->trajectory, &frames, error);
     }
     if (status == PL_OK) {
+        kept found = {.frames = frames.file};
         const pl_execution_def execution = {.plan = plan,
                                             .jobs = 1,
                                             .limits = o->request.limits,
-                                            .trajectory = frames.file,
                                             .capture = o->capture == NULL ? NULL : &capture,
                                             .provenance = provenance,
                                             .progress = isatty(STDERR_FILENO) == 1 ? stderr : NULL,
-                                            .user = result,
+                                            .user = &found,
+                                            .frames = give_file,
                                             .take = keep};
         status = pl_execute(&execution, signal_number, error);
+        *result = found.result;
     }
     status = close_trajectory(&frames, status, *signal_number == 0, error);
     json_decref(target.source);

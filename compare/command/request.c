@@ -165,18 +165,6 @@ const pl_option pl_out_options[] = {
      PL_OPTION_FLAG, .field = offsetof(pl_request, force)},
     {0}};
 
-const pl_option pl_study_options[] = {
-    {"out", "DIR",
-     "Where the runs are kept until the study ends, in plumb-*.unfinished.jsonl (default .)",
-     PL_OPTION_TEXT, .field = offsetof(pl_request, out)},
-    {"resume", NULL,
-     "Take the runs of the same command that did not come to its end, and make those that are "
-     "missing",
-     PL_OPTION_FLAG, .field = offsetof(pl_request, resume)},
-    {"force", NULL, "Discard the runs of an unfinished study, and replace files that exist",
-     PL_OPTION_FLAG, .field = offsetof(pl_request, force)},
-    {0}};
-
 const pl_option pl_force_options[] = {{"force", NULL, "Replace files that exist", PL_OPTION_FLAG,
                                        .field = offsetof(pl_request, force)},
                                       {0}};
@@ -201,19 +189,6 @@ pl_status pl_request_outputs(const pl_request *request, const char *other, pl_er
     const bool may_replace = request->force || request->resume;
     pl_status status = pl_output_check(request->json, may_replace, error);
     return status == PL_OK ? pl_output_check(other, may_replace, error) : status;
-}
-
-pl_status pl_request_journal(const pl_call *call, const pl_request *request, pl_journal **journal,
-                             pl_error *error)
-{
-    pl_status status = pl_request_outputs(request, NULL, error);
-    if (status == PL_OK && request->out != NULL) {
-        status = pl_make_directories(request->out, error);
-    }
-    return status == PL_OK
-               ? pl_call_journal(call, request->out,
-                                 pl_store_mode_of(request->resume, request->force), journal, error)
-               : status;
 }
 
 /* ---- Cases ---- */

@@ -44,8 +44,6 @@ extern const pl_option pl_comparison_options[];
 extern const pl_option pl_jobs_options[];
 /* --out, --resume, --force: of a folder of results */
 extern const pl_option pl_out_options[];
-/* The same of a study whose runs are kept in a journal until it ends */
-extern const pl_option pl_study_options[];
 /* --force alone */
 extern const pl_option pl_force_options[];
 
@@ -70,11 +68,6 @@ pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_erro
  * error and left out. */
 pl_status pl_request_add_engines(const pl_call *call, const pl_request *request, pl_plan *plan,
                                  pl_error *error);
-
-/* Opens the journal of a study with pl_study_options, in the folder of --out, which is made. Before, as
- * pl_request_outputs, whether --json may be written. */
-pl_status pl_request_journal(const pl_call *call, const pl_request *request, pl_journal **journal,
-                             pl_error *error);
 
 /* Says on standard error which engines of the plan ask for more threads than this process has CPUs. */
 void pl_request_note_threads(const pl_call *call, const pl_plan *plan);

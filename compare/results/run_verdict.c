@@ -208,3 +208,16 @@ json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance,
     add_verdict(result);
     return result;
 }
+
+json_t *pl_result_unmade(json_t *identity, pl_outcome outcome, long steps_asked, const char *reason,
+                         json_t *provenance)
+{
+    char now[32];
+    pl_run_result unmade = {.outcome = outcome, .steps_asked = steps_asked};
+    snprintf(unmade.reason, sizeof unmade.reason, "%s", reason);
+    pl_timestamp(now);
+    json_t *object = pl_run_result_to_json(&unmade);
+    json_t *result = pl_result_compose(identity, object, provenance, "", 0, now);
+    json_decref(object);
+    return result;
+}

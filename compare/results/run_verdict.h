@@ -27,4 +27,9 @@ pl_verdict pl_verdict_of(const json_t *result);
 json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,
                           size_t output_length, const char *started);
 
+/* The result of a run that is not made: its outcome, and the reason as that of the outcome. Memory that ends ends the
+ * program. */
+json_t *pl_result_unmade(json_t *identity, pl_outcome outcome, long steps_asked, const char *reason,
+                         json_t *provenance);
+
 #endif

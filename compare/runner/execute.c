@@ -136,6 +136,14 @@ static pl_status take(const execution *e, json_t *result, pl_error *error)
     return e->def->take == NULL ? PL_OK : e->def->take(e->def->user, result, error);
 }
 
+/* What the display calls a run: its scenario, and what was changed of it. The caller frees. */
+static char *name_of(const json_t *run)
+{
+    const char *change = pl_json_get_text(run, "change");
+    return pl_heap_format("%s%s%s", pl_json_get_text(run, "scenario"),
+                          change[0] == '\0' ? "" : ", ", change);
+}
+
 /* Stores the result of a run that ended, and hands it on. A run that was made again for its positions alone has a
  * result there. */
 static pl_status hand_on(execution *e, json_t *result, double seconds, pl_error *error)
@@ -152,7 +160,9 @@ static pl_status hand_on(execution *e, json_t *result, double seconds, pl_error 
         status = take(e, result, error);
     }
     if (status == PL_OK && e->bar != NULL) {
-        pl_progress_run_ended(e->bar, pl_json_get_text(result, "scenario"), result, seconds);
+        char *name = name_of(result);
+        pl_progress_run_ended(e->bar, name, result, seconds);
+        free(name);
     }
     return status;
 }
@@ -161,15 +171,10 @@ static pl_status hand_on(execution *e, json_t *result, double seconds, pl_error 
 static pl_status report_fault(execution *e, const pl_engine_fault *fault, const pl_scene *scene,
                               json_t *identity, pl_error *error)
 {
-    char started[32];
-    pl_run_result fallen = {.outcome = fault->timed_out ? PL_OUTCOME_TIMEOUT : PL_OUTCOME_CRASHED,
-                            .steps_asked = pl_scene_steps(scene)};
-    memcpy(fallen.reason, fault->reason, sizeof fallen.reason);
-    pl_timestamp(started);
-    json_t *outcome = pl_run_result_to_json(&fallen);
-    json_t *result = pl_result_compose(identity, outcome, e->def->provenance, "", 0, started);
+    json_t *result =
+        pl_result_unmade(identity, fault->timed_out ? PL_OUTCOME_TIMEOUT : PL_OUTCOME_CRASHED,
+                         pl_scene_steps(scene), fault->reason, e->def->provenance);
     const pl_status status = hand_on(e, result, 0, error);
-    json_decref(outcome);
     json_decref(result);
     return status;
 }
@@ -204,11 +209,18 @@ static pl_status start(execution *e, slot *s, const pl_planned_run *planned, jso
     if (choice->engine->fault.is_fault) {
         return report_fault(e, &choice->engine->fault, scene, identity, error);
     }
+    FILE *frames = NULL;
+    if (e->def->frames != NULL) {
+        status = e->def->frames(e->def->user, pl_json_get_text(identity, "run"), &frames, error);
+        if (status != PL_OK) {
+            return status;
+        }
+    }
     s->cpus = pl_schedule_begin(&e->schedule, threads);
     s->scene = scene;
     const pl_run_def run = {.scene = scene,
                             .choice = choice,
-                            .trajectory = e->def->trajectory,
+                            .trajectory = frames,
                             .positions = s->positions,
                             .recording = s->recording,
                             .positions_stride = e->def->positions_stride,
@@ -289,9 +301,10 @@ static void draw(const execution *e)
         const slot *s = &e->slots[i];
         if (s->busy) {
             size_t used = strlen(running);
-            snprintf(running + used, sizeof running - used, "%s%s %s", used == 0 ? "" : ", ",
-                     pl_json_get_text(s->run.identity, "scenario"),
+            char *name = name_of(s->run.identity);
+            snprintf(running + used, sizeof running - used, "%s%s %s", used == 0 ? "" : ", ", name,
                      pl_json_get_text(s->run.identity, "label"));
+            free(name);
             part += pl_isolated_run_progress(&s->run);
         }
     }
@@ -433,7 +446,6 @@ pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
     const pl_execution_def one = {.plan = &plan,
                                   .jobs = 1,
                                   .limits = def->limits,
-                                  .trajectory = def->trajectory,
                                   .provenance = def->provenance,
                                   .store = def->store,
                                   .bar = def->bar,

@@ -14,8 +14,7 @@ typedef struct pl_execution_def {
     const pl_plan *plan;
     int jobs; /* most runs at a time, >= 1, see schedule.h; times are reliable only with 1 on a quiet machine */
     pl_limits limits;
-    FILE *trajectory;          /* of a plan with one run: gets its frames; NULL: none */
-    const pl_capture *capture; /* of such a plan too; NULL: none */
+    const pl_capture *capture; /* of a plan with one run; NULL: none */
     bool needs_positions;   /* a result of the store counts only with the file of its positions */
     const char *positions;  /* folder that gets RUN.positions of every run; NULL: none */
     const char *recordings; /* folder that gets RUN.json, a recording of every run; NULL: none */
@@ -30,6 +29,9 @@ typedef struct pl_execution_def {
     void *user;
     /* Whether this run is not to be made; NULL: all are. */
     bool (*skip)(void *user, const char *run);
+    /* Sets *file to one that gets the frames of this run as CSV, and stays open until its result is amended; NULL:
+     * none. A status other than PL_OK ends the execution. NULL: no run has one. */
+    pl_status (*frames)(void *user, const char *run, FILE **file, pl_error *error);
     /* Adds to the result of a run that ended, before the store has it. NULL: nothing. */
     void (*amend)(void *user, json_t *result);
     /* Takes each result, of the store or when its run ends, and after the store has it. A status other than PL_OK
@@ -49,7 +51,7 @@ long pl_execution_due(const pl_execution_def *def);
 pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *error);
 
 /* Makes the first run of a case on a configuration, with the seed of def->plan and the limits,
- * trajectory, provenance, store and bar of `def`; its other fields are not used. *result is a new
+ * provenance, store and bar of `def`; its other fields are not used. *result is a new
  * reference; NULL at a signal. */
 pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
                          const pl_configuration *configuration, json_t **result, int *signal_number,

@@ -3,17 +3,21 @@
 #include "base/heap.h"
 #include "referee/geometry/solid.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct header {
     char magic[8];
     int64_t bodies;
     double interval; /* s */
 } header;
+
+static const char magic[8] = {'p', 'l', 'u', 'm', 'b', 'p', 's', '3'};
 
 long pl_positions_stride(double dt)
 {
@@ -31,28 +35,32 @@ int pl_positions_bodies(const pl_scene *scene)
     return count;
 }
 
-static long stride_of(const pl_scene *scene, long stride)
+/* Stores the starts of the dynamic bodies, (3 x bodies). */
+static void store_starts(const pl_scene *scene, double *start)
 {
-    return stride > 0 ? stride : pl_positions_stride(scene->dt);
-}
-
-static header header_of(const pl_scene *scene, long stride)
-{
-    header h = {.bodies = pl_positions_bodies(scene),
-                .interval = (double)stride_of(scene, stride) * scene->dt};
-    memcpy(h.magic, "plumbps2", sizeof h.magic);
-    return h;
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_body *body = &scene->bodies[i];
+        if (!body->is_static) {
+            pl_vec_store(pl_centre_of_mass(&body->shape, body->position, body->orientation), start);
+            start += 3;
+        }
+    }
 }
 
 pl_status pl_positions_create(const char *path, const pl_scene *scene, long stride,
                               pl_positions_writer *writer, pl_error *error)
 {
-    const header h = header_of(scene, stride);
-    *writer =
-        (pl_positions_writer){.path = path, .scene = scene, .stride = stride_of(scene, stride)};
-    writer->sample = pl_heap_new(3 * (size_t)h.bodies, sizeof *writer->sample);
+    stride = stride > 0 ? stride : pl_positions_stride(scene->dt);
+    header h = {.bodies = pl_positions_bodies(scene), .interval = (double)stride * scene->dt};
+    const size_t count = 3 * (size_t)h.bodies;
+    memcpy(h.magic, magic, sizeof h.magic);
+    *writer = (pl_positions_writer){.path = path, .scene = scene, .stride = stride};
+    writer->start = pl_heap_new(count, sizeof *writer->start);
+    writer->sample = pl_heap_new(count, sizeof *writer->sample);
+    store_starts(scene, writer->start);
     writer->file = fopen(path, "we");
-    if (writer->file == NULL || fwrite(&h, sizeof h, 1, writer->file) != 1) {
+    if (writer->file == NULL || fwrite(&h, sizeof h, 1, writer->file) != 1 ||
+        fwrite(writer->start, sizeof *writer->start, count, writer->file) != count) {
         return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
     }
     return PL_OK;
@@ -69,9 +77,8 @@ pl_status pl_positions_write(pl_positions_writer *writer, long step, const pl_fr
         const pl_body *body = &writer->scene->bodies[i];
         const pl_body_state *state = &frame->bodies[i];
         if (!body->is_static) {
-            pl_vec start = pl_centre_of_mass(&body->shape, body->position, body->orientation);
             pl_vec now = pl_centre_of_mass(&body->shape, state->position, state->orientation);
-            pl_vec displacement = pl_vec_sub(now, start);
+            pl_vec displacement = pl_vec_sub(now, pl_vec_of(&writer->start[next]));
             writer->sample[next++] = displacement.x;
             writer->sample[next++] = displacement.y;
             writer->sample[next++] = displacement.z;
@@ -89,26 +96,60 @@ void pl_positions_end(pl_positions_writer *writer)
     if (writer->file != NULL) {
         fclose(writer->file);
     }
+    free(writer->start);
     free(writer->sample);
     *writer = (pl_positions_writer){.file = NULL};
 }
 
-FILE *pl_positions_open(const char *path, const pl_scene *scene, long stride)
+bool pl_positions_open(const char *path, pl_positions_reader *reader)
 {
-    const header expected = header_of(scene, stride);
-    header found;
-    FILE *file = fopen(path, "re");
-    if (file != NULL && (fread(&found, sizeof found, 1, file) != 1 ||
-                         memcmp(found.magic, expected.magic, sizeof found.magic) != 0 ||
-                         found.bodies != expected.bodies || found.interval != expected.interval)) {
-        fclose(file);
-        return NULL;
+    header h;
+    *reader = (pl_positions_reader){.file = fopen(path, "re")};
+    bool is_whole = reader->file != NULL && fread(&h, sizeof h, 1, reader->file) == 1 &&
+                    memcmp(h.magic, magic, sizeof h.magic) == 0 && h.bodies >= 0 &&
+                    h.bodies <= PL_MAX_BODIES;
+    if (is_whole) {
+        const size_t count = 3 * (size_t)h.bodies;
+        reader->bodies = (int)h.bodies;
+        reader->interval = h.interval;
+        reader->start = pl_heap_new(count, sizeof *reader->start);
+        is_whole = fread(reader->start, sizeof *reader->start, count, reader->file) == count;
     }
-    return file;
+    if (!is_whole) {
+        pl_positions_close(reader);
+    }
+    return is_whole;
 }
 
-bool pl_positions_read(FILE *file, int bodies, double *sample)
+bool pl_positions_read(pl_positions_reader *reader, double *sample)
 {
-    size_t count = 3 * (size_t)bodies;
-    return fread(sample, sizeof *sample, count, file) == count;
+    const size_t count = 3 * (size_t)reader->bodies;
+    return fread(sample, sizeof *sample, count, reader->file) == count;
+}
+
+void pl_positions_close(pl_positions_reader *reader)
+{
+    if (reader->file != NULL) {
+        fclose(reader->file);
+    }
+    free(reader->start);
+    *reader = (pl_positions_reader){.file = NULL};
+}
+
+void pl_positions_clear(const char *folder)
+{
+    static const char ending[] = ".positions";
+    DIR *directory = opendir(folder);
+    for (const struct dirent *entry = NULL;
+         directory != NULL && (entry = readdir(directory)) != NULL;) {
+        const size_t length = strlen(entry->d_name);
+        if (length > strlen(ending) &&
+            strcmp(entry->d_name + length - strlen(ending), ending) == 0) {
+            unlinkat(dirfd(directory), entry->d_name, 0);
+        }
+    }
+    if (directory != NULL) {
+        closedir(directory);
+        rmdir(folder);
+    }
 }

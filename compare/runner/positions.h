@@ -1,7 +1,7 @@
 /* A compact trajectory: where the dynamic bodies' centres of mass are, at most 60 times a second.
  *
- * The file has a header, then for each sample a double for each axis of each dynamic body: the
- * displacement from its start in m, in the byte order of the machine. Samples are written
+ * The file has a header, then a double for each axis of each dynamic body: the start in m, and for each
+ * sample the displacement from it, in the byte order of the machine. Samples are written
  * whole, so that a run that ends early leaves whole samples. */
 #ifndef PLUMB_POSITIONS_H
 #define PLUMB_POSITIONS_H
@@ -24,6 +24,7 @@ typedef struct pl_positions_writer {
     const char *path;
     const pl_scene *scene;
     long stride;
+    double *start;  /* (3 x bodies) */
     double *sample; /* (3 x bodies) */
 } pl_positions_writer;
 
@@ -39,11 +40,24 @@ pl_status pl_positions_write(pl_positions_writer *writer, long step, const pl_fr
 /* Closes the file, if one was opened. */
 void pl_positions_end(pl_positions_writer *writer);
 
-/* Opens such a file of a run of `scene`, written with the same stride, for pl_positions_read; NULL
- * when there is none that fits the scene. */
-FILE *pl_positions_open(const char *path, const pl_scene *scene, long stride);
+/* A file that is being read; {0} is one that was never opened. */
+typedef struct pl_positions_reader {
+    FILE *file;
+    int bodies;      /* dynamic ones */
+    double interval; /* s, from one sample to the next */
+    double *start;   /* (3 x bodies): m */
+} pl_positions_reader;
+
+/* Opens a file for reading; false where there is none that is whole. */
+bool pl_positions_open(const char *path, pl_positions_reader *reader);
 
 /* Reads the next sample, (3 x bodies); false at the end of the file. */
-bool pl_positions_read(FILE *file, int bodies, double *sample);
+bool pl_positions_read(pl_positions_reader *reader, double *sample);
+
+/* Closes the file, if one was opened. */
+void pl_positions_close(pl_positions_reader *reader);
+
+/* Removes all such files of a folder, and the folder if that leaves it empty. */
+void pl_positions_clear(const char *folder);
 
 #endif

@@ -25,4 +25,10 @@ typedef struct pl_study {
     void (*document)(const json_t *conclusion, pl_document *document);
 } pl_study;
 
+/* The values of these keys (up to a NULL) of a result, as a text that tells results apart. The caller frees. */
+char *pl_study_key(const json_t *result, const char *const *keys);
+
+/* "friction = 0.5, n = 60": parameters by name; "" for none. The caller frees. */
+char *pl_study_params(const json_t *params);
+
 #endif

@@ -113,7 +113,7 @@ class Program:
 
     def json_lines(self, command, arguments, engines):
         out = self.file(".json")
-        self.call(command, *arguments.split(), *engine_options(engines), "--json", out)
+        self.call(command, *arguments.split(), *engine_options(engines), "--json", out, "--out", self.file(""))
         text = pathlib.Path(out).read_text(encoding="utf-8")
         return json.loads(text) if text.startswith("[") else [json.loads(line) for line in text.splitlines()]
 

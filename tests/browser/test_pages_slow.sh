@@ -22,11 +22,11 @@ quietly compare --engine plumb --engine plumb:fast --engine ode:quick --engine b
 quietly compare tower slope-slide --engine plumb --engine "$BUILD/frozen_engine.so" --out frozen
 quietly sweep tower --engine plumb --engine ode:quick --vary dt=1/240..1/60 --out sweep
 quietly threshold card-house --engine plumb --engine ode:quick --json threshold.json
-quietly metamorphic tower --engine plumb --engine ode:quick --json metamorphic.json
+quietly metamorphic tower --engine plumb --engine ode:quick
 quietly ensemble wall-collapse --set rows=3 --set columns=3 --engine plumb --engine bullet:si \
     --members 7 --out ensemble
 quietly report threshold.json --out studies
-quietly report metamorphic.json --out studies
+quietly report metamorphic/metamorphic.json --out studies
 quietly list scenarios --page studies/catalogue.html
 cp sweep/sweep.html ensemble/ensemble.html studies
 

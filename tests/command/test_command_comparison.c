@@ -48,7 +48,7 @@ static void test_comparison_commands_share_their_options(void **state)
 
 static void test_an_option_that_a_command_lacks_is_refused(void **state)
 {
-    static const char *const lacking[][2] = {{"metamorphic", "--jobs"},
+    static const char *const lacking[][2] = {{"metamorphic", "--repeat"},
                                              {"metamorphic", "--trajectory"},
                                              {"run", "--resume"},
                                              {"ensemble", "--repeat"},

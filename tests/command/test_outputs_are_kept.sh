@@ -43,7 +43,7 @@ expect 2 'or a shard next to it, has results: --resume .*--force' sweep free-fal
 refused e/results.jsonl ensemble falling-cubes "${short[@]}" --members 6 --out e
 refused e.json ensemble falling-cubes "${short[@]}" --members 6 --out e2 --json e.json
 refused t.json threshold slope-threshold --engine plumb --json t.json
-refused m.json metamorphic free-fall "${short[@]:2}" --check again --json m.json
+refused m.json metamorphic free-fall "${short[@]:2}" --check again --json m.json --out m
 refused c.json check-engine plumb --check gravity --json c.json
 refused gate.xml gate a --fail-if 'free-fall: outcome!=ok' --format junit --out gate.xml
 refused list.html list scenarios --page list.html

@@ -43,12 +43,12 @@ widths 'list suites' 0 list suites
 widths sweep 0 sweep free-fall bounce --vary dt=1/60,1/120,1/240 --out made --duration 0.1 "${engines[@]}"
 cp -r made swept
 widths report 0 report swept --out made
-widths threshold 0 threshold slope-threshold --duration 0.1 "${engines[@]}"
+widths threshold 0 threshold slope-threshold --out made --duration 0.1 "${engines[@]}"
 widths ensemble 0 ensemble falling-cubes --members 6 --out made "${short[@]}"
 grep -q '^engine\|^Engine' out || note_failure "ensemble: no table of engines: $(cat out)"
 grep -qE '^(#|\|)' out && note_failure "ensemble: Markdown on a terminal: $(cat out)"
-grep -q '^| Engine' made/summary.md || note_failure "ensemble: no Markdown in summary.md: $(cat made/summary.md)"
-widths metamorphic 0 metamorphic free-fall --duration 0.1 "${engines[@]}"
+grep -q '^| Engine' made/ensemble.md || note_failure "ensemble: no Markdown in ensemble.md: $(cat made/ensemble.md)"
+widths metamorphic 0 metamorphic free-fall --out made --duration 0.1 "${engines[@]}"
 "$PLUMB" compare tower --out results "${short[@]}" >/dev/null 2>&1
 widths gate 1 gate results --fail-if 'tower: penetration_max>=0' --fail-if 'tower: time_per_step>1e9'
 widths 'check-engine --list' 0 check-engine --list

@@ -51,7 +51,7 @@ expect 0 '' gate two --baseline baseline.json --update-baseline
 expect 0 '' gate two --baseline baseline.json
 expect 0 '' sweep free-fall --duration 0.1 --vary iterations=1,2 --vary dt=1/60,1/120 "${both[@]}" --out swept --json swept.json
 expect 0 '' ensemble falling-cubes --set n=2 --duration 0.1 --members 7 "${both[@]}" --converged --json ensemble.json
-expect 0 'free-fall on new' metamorphic free-fall --duration 0.1 --check again "${both[@]}" --json metamorphic.json
+expect 0 '^new +again ' metamorphic free-fall --duration 0.1 --check again "${both[@]}" --json metamorphic.json
 expect 0 'old' threshold slope-threshold --duration 0.1 "${both[@]}" --json threshold.json
 expect 0 '' compare "${fall[@]}" "${both[@]}" --iterations-to-tolerance --out tolerance
 expect 0 '' report swept --out swept_report

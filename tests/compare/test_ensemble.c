@@ -192,10 +192,11 @@ static void test_every_member_row_has_a_shared_jitter(void **state)
     assert_int_equal(json_array_size(json_object_get(outcome, "ensembles")), 2);
     const json_t *first = json_array_get(json_object_get(outcome, "ensembles"), 0);
     assert_int_equal(json_array_size(json_object_get(first, "runs")), 6);
-    assert_contains(output.out, "Ensembles of 6 members\n\nEvery member");
+    assert_contains(output.out,
+                    "Ensembles, compared by their end states\n\nEach ensemble has 6 members.");
     assert_absent(output.out, "# Ensembles");
     assert_absent(output.out, "|---");
-    assert_true(exists(f, "summary.md") && exists(f, "trajectories"));
+    assert_true(exists(f, "ensemble.md") && exists(f, "trajectories"));
     json_decref(hashes);
     json_decref(results);
     json_decref(outcome);

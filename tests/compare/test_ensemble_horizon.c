@@ -1,9 +1,11 @@
 /* How long members stay together, on trajectories that are written by hand. */
 #include "check.h"
+#include "plumb/jitter.h"
 #include "plumb_process.h"
 #include "runner/execute.h"
 #include "runner/positions.h"
 #include "studies/ensemble/horizon.h"
+#include "studies/ensemble/members.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -75,13 +77,14 @@ static void write_member(const fixture *f, int member, double speed, long steps)
 {
     const pl_ensemble *ensemble = &f->ensembles.items[0];
     const pl_scene *scene = &f->plan.cases[ensemble->cases[member]].scene;
-    char run[17];
     pl_body_state states[8];
     pl_positions_writer writer;
     memset(states, 0, sizeof states);
     assert_true(scene->body_count <= 8);
-    pl_member_run(&f->plan, ensemble, member, run);
-    char *path = pl_positions_path(f->folder, run);
+    json_t *runs = pl_member_runs(&f->plan, ensemble, 2);
+    char *path =
+        pl_positions_path(f->folder, json_string_value(json_array_get(runs, (size_t)member)));
+    json_decref(runs);
     assert_int_equal(pl_positions_create(path, scene, 0, &writer, NULL), PL_OK);
     for (long step = 0; step <= steps; ++step) {
         for (int i = 0; i < scene->body_count; ++i) {
@@ -100,8 +103,11 @@ static void write_member(const fixture *f, int member, double speed, long steps)
 static pl_horizon find(const fixture *f)
 {
     pl_horizon horizon;
-    assert_int_equal(
-        pl_horizon_find(&f->plan, &f->ensembles.items[0], 2, f->folder, &horizon, NULL), PL_OK);
+    const pl_ensemble *ensemble = &f->ensembles.items[0];
+    json_t *runs = pl_member_runs(&f->plan, ensemble, 2);
+    pl_horizon_find(f->folder, runs, pl_scene_least_size(&f->plan.cases[ensemble->cases[0]].scene),
+                    &horizon);
+    json_decref(runs);
     return horizon;
 }
 

@@ -11,8 +11,8 @@ enum { MOST = 8 };
 static pl_sample_test judge(const double *a, int count_a, const double *b, int count_b)
 {
     double values[2][MOST];
-    const pl_ensemble ensembles[2] = {{.configuration = 0}, {.configuration = 1}};
-    pl_ensemble_view views[2] = {{.ensemble = &ensembles[0]}, {.ensemble = &ensembles[1]}};
+    pl_ensemble_view views[2] = {{.ensemble = {.configuration = 0}},
+                                 {.ensemble = {.configuration = 1}}};
     memcpy(values[0], a, (size_t)count_a * sizeof *a);
     memcpy(values[1], b, (size_t)count_b * sizeof *b);
     views[0].observed.samples[0] = (pl_sample){.values = values[0], .count = count_a};
@@ -67,7 +67,7 @@ static void test_planned_comparisons_are_those_made(void **state)
                                  .setting = row == 1 ? 1 : 0,
                                  .configuration = row == 2 ? 3 + i % 3 : i % 3,
                                  .reference = row == 2};
-        views[i].ensemble = &items[i];
+        views[i].ensemble = items[i];
         for (int k = 0; k < PL_METRIC_COUNT; ++k) {
             views[i].observed.samples[k] =
                 (pl_sample){.values = values, .count = pl_is_observable(k) ? 4 : 0};

@@ -46,6 +46,8 @@ static json_t *findings_of(const scene *at, const char *engine, const char *cons
         arguments[count++] = *checks;
     }
     char *directory = make_directory();
+    arguments[count++] = "--out";
+    arguments[count++] = directory;
     plumb_output output = run_plumb(directory, arguments);
     if (output.code != 0) {
         fail_msg("%s on %s: exit code %d: %s", at->name, engine, output.code, output.err);

@@ -1,77 +1,18 @@
-/* Pages of the other studies: thresholds with their brackets, ensembles as distributions, metamorphic
- * checks, tuning. The rest of a study is shown as tables of its JSON. */
-import { facts, h, p, section, table } from './dom.js';
-import { styles as stylesOf } from './engines.js';
-import { digits, plural } from './format.js';
-import { Plot, chips, hasPlots, plot } from './plots.js';
+/* The JSON of a study that has no document: every array of objects as a table, the rest as facts. */
+import { facts, section, table } from './dom.js';
+import { digits } from './format.js';
 
 const show = (value) => (value === null || value === undefined ? '–' : typeof value === 'number' ? digits(value) : typeof value === 'object' ? JSON.stringify(value) : String(value));
 const cell = (value) => ({ text: show(value), value: typeof value === 'number' || value === null ? value : undefined });
 
 /* A table of an array of objects: a column for each key with plain values. */
-function plain(caption, rows, keys) {
-  const found = keys ?? [...new Set(rows.flatMap((row) => Object.keys(row).filter((k) => row[k] === null || typeof row[k] !== 'object')))];
+function plain(caption, rows) {
+  const found = [...new Set(rows.flatMap((row) => Object.keys(row).filter((k) => row[k] === null || typeof row[k] !== 'object')))];
   return table({ caption, columns: found.map((name) => ({ name: name.replaceAll('_', ' '), right: rows.some((r) => typeof r[name] === 'number') })), rows: rows.map((row) => found.map((k) => cell(row[k]))), most: 60 });
 }
 
-const byLabel = (rows) => stylesOf([...new Set(rows)].map((name) => ({ name, engine: name.split(':')[0] })));
-const groups = (rows, key) => Map.groupBy ? Map.groupBy(rows, key) : rows.reduce((m, r) => m.set(key(r), [...(m.get(key(r)) ?? []), r]), new Map());
-
-function threshold(study) {
-  const rows = Array.isArray(study) ? study : study.rows ?? [study], styles = byLabel(rows.map((r) => r.label));
-  const parts = [...groups(rows, (r) => JSON.stringify([r.scenario, r.params, r.param]))].map(([, found], i) => {
-    const first = found[0], unit = first.unit === '1' ? '' : ` (${first.unit})`;
-    const drawn = hasPlots ? plot(`${first.scenario}: critical ${first.param} of each engine, with its bracket`, { width: 700, height: 60 + 26 * found.length, marginLeft: 150, x: { label: `${first.param}${unit}`, grid: true }, y: { label: null },
-      marks: [first.closed_form === null ? null : Plot.ruleX([first.closed_form], { strokeDasharray: '4 3', strokeWidth: 2 }),
-        Plot.ruleY(found.filter((r) => r.bracket?.[0] !== null), { y: 'label', x1: (r) => r.bracket[0], x2: (r) => r.bracket[1], stroke: (r) => styles.get(r.label).colour, strokeWidth: 5, strokeOpacity: 0.5 }),
-        Plot.dot(found.filter((r) => r.value !== null), { x: 'value', y: 'label', fill: (r) => styles.get(r.label).colour, r: 5 })] }) : null;
-    return section(`threshold-${i}`, `${first.scenario}: ${first.param}`, drawn,
-      facts([['Closed form', first.formula && `${first.formula} = ${digits(first.closed_form, 6)}`], ['Holds', first.holds_below === null ? null : first.holds_below ? 'below the critical value' : 'above the critical value'], ['Tolerance', digits(first.tolerance)]]),
-      table({ caption: 'Critical values', columns: [{ name: 'engine' }, { name: 'finding' }, { name: 'critical value', right: true }, { name: 'bracket', right: true }, { name: 'closed form', right: true }, { name: 'error', right: true }, { name: 'relative', right: true }, { name: 'runs', right: true }, { name: 'reason', wide: true }],
-        rows: found.map((r) => [r.label, r.finding, { text: digits(r.value, 6), value: r.value }, r.bracket?.[0] === null ? '–' : `${digits(r.bracket[0], 6)} to ${digits(r.bracket[1], 6)}`, cell(r.closed_form), cell(r.error), cell(r.relative_error), r.runs, r.reason ?? '']) }));
-  });
-  return { title: 'Plumb: thresholds', lead: `${plural(rows.length, 'critical value')}, found by bisection`, parts };
-}
-
-function ensemble(study) {
-  const items = study.ensembles, styles = byLabel(items.map((e) => e.name)), apart = study.comparisons.filter((c) => c.verdict === 'told apart');
-  const name = (i) => items[i].name;
-  const parts = [section('verdict', apart.length === 0 ? 'No difference is significant' : `${plural(apart.length, 'difference')} of ${study.comparisons.length} ${apart.length === 1 ? 'is' : 'are'} significant`,
-    h('ul', {}, apart.map((c) => h('li', {}, c.finding))), p(`${study.members} members each, displaced by at most ${digits(study.jitter)} of a body's size; permutation test of the energy distance, corrected by Holm, significant below ${digits(study.significance)}.`))];
-  for (const [problem, found] of groups(items, (e) => `${e.scenario}`)) {
-    const observables = [...new Set(found.flatMap((e) => Object.keys(e.observables)))];
-    parts.push(section(`ensemble-${parts.length}`, problem, chips(found.map((e) => e.name), styles), h('div', { class: 'plots' }, observables.map((key) => {
-      const dots = found.flatMap((e) => (e.observables[key]?.values ?? []).map((value) => ({ name: e.name, value })));
-      return hasPlots && dots.length > 0 ? plot(`${key}: each member, and quartiles`, { marginLeft: 150, height: 60 + 34 * found.length, x: { label: found.find((e) => e.observables[key])?.observables[key].unit ?? '', grid: true }, y: { label: null },
-        marks: [Plot.boxX(dots, { x: 'value', y: 'name', fill: (d) => styles.get(d.name).colour, fillOpacity: 0.2, r: 0 }), Plot.dot(dots, Plot.dodgeY ? { x: 'value', y: 'name', stroke: (d) => styles.get(d.name).colour, r: 2.5 } : {})] }) : null;
-    })),
-    table({ caption: 'Ensembles', columns: [{ name: 'ensemble' }, { name: 'members', right: true }, { name: 'horizon (s)', right: true }, { name: 'outcomes', wide: true }, ...observables.map((k) => ({ name: k.replaceAll('_', ' '), right: true }))],
-      rows: found.map((e) => [e.name, e.results, { text: e.horizon?.time === null ? e.horizon.reason ?? '–' : digits(e.horizon?.time), value: e.horizon?.time ?? null }, Object.entries(e.outcomes).filter(([, n]) => n > 0).map(([k, n]) => `${n} ${k}`).join(', '),
-        ...observables.map((k) => { const o = e.observables[k]; return o ? { text: `${digits(o.mean)} ± ${digits(o.standard_deviation)} ${o.unit}`, value: o.mean } : '–'; })]) })));
-  }
-  parts.push(section('comparisons', 'All comparisons', table({ caption: 'Two ensembles and an observable', columns: [{ name: 'first' }, { name: 'second' }, { name: 'observable' }, { name: 'energy distance', right: true }, { name: 'p', right: true }, { name: 'p, corrected', right: true }, { name: 'verdict' }],
-    rows: study.comparisons.map((c) => [name(c.a), name(c.b), c.observable, cell(c.energy_distance), cell(c.p), cell(c.p_corrected), c.verdict]), most: 60 })));
-  return { title: 'Plumb: ensembles', lead: `${plural(items.length, 'ensemble')} of ${study.members} members`, parts };
-}
-
-const grades = { bitwise: 'd0', exact: 'd1', close: 'd2', differs: 'd4', failed: 'failed', inapplicable: 'none' };
-
-function metamorphic(study) {
-  const trials = Array.isArray(study) ? study : study.trials ?? [study], checks = [...new Set(trials.flatMap((t) => t.checks.map((c) => c.check)))];
-  const rows = trials.map((t) => [`${t.scenario} · ${t.label}`, ...checks.map((name) => { const c = t.checks.find((x) => x.check === name); return c ? { text: c.verdict, style: grades[c.verdict] ?? 'none', title: [c.reason, `position ${digits(c.end?.position)}, rotation ${digits(c.end?.rotation)}`].filter(Boolean).join('\n') } : '–'; })]);
-  return { title: 'Plumb: metamorphic checks', lead: 'the same scene moved, turned, mirrored, scaled or built of other solids must give the same motion', parts: [
-    section('checks', 'Checks', table({ caption: 'Verdict of each check; a title has the difference', columns: [{ name: 'scenario and engine' }, ...checks.map((name) => ({ name }))], rows, style: 'matrix' })),
-    section('differences', 'Differences', plain('Early in the run and at its end', trials.flatMap((t) => t.checks.map((c) => ({ scenario: t.scenario, engine: t.label, check: c.check, verdict: c.verdict, early_position: c.early?.position ?? null, end_position: c.end?.position ?? null, early_rotation: c.early?.rotation ?? null, end_rotation: c.end?.rotation ?? null, reason: c.reason ?? '' })))))] };
-}
-
-/* Every array of objects as a table, the rest as facts. */
-function other(kind, study) {
+export function study(kind, study) {
   const arrays = Object.entries(study).filter(([, v]) => Array.isArray(v) && v.length > 0 && typeof v[0] === 'object' && v[0] !== null);
   return { title: `Plumb: ${kind}`, lead: '', parts: [section('facts', kind, facts(Object.entries(study).filter(([, v]) => v === null || typeof v !== 'object').map(([k, v]) => [k.replaceAll('_', ' '), show(v)]))),
     ...arrays.map(([key, rows]) => section(key, key.replaceAll('_', ' '), plain(key, rows)))] };
-}
-
-export function study(kind, json) {
-  const pages = { threshold, ensemble, metamorphic };
-  return kind in pages ? pages[kind](json) : other(kind, json);
 }

@@ -1,20 +1,19 @@
 /* The spread of an ensemble over time, read from its members' position files. */
 #include "horizon.h"
 
-#include "plumb/jitter.h"
-#include "referee/geometry/solid.h"
-#include "runner/execute.h"
+#include "base/heap.h"
 #include "runner/positions.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 static const double share_of_size = 0.01;
 
 /* One member's open trajectory. */
 typedef struct track {
-    FILE *file;
+    pl_positions_reader reader;
     double *moved; /* (3 x bodies): the displacement from the start, as read */
-    double *start; /* (3 x bodies) */
     double *place; /* (3 x bodies) */
 } track;
 
@@ -40,110 +39,80 @@ double pl_ensemble_spread(const double *const *members, int member_count, int bo
     return sqrt(largest);
 }
 
-static void store_starts(const pl_scene *scene, double *start)
+static bool open_track(const char *folder, const char *run, track *t)
 {
-    for (int i = 0; i < scene->body_count; ++i) {
-        const pl_body *body = &scene->bodies[i];
-        if (!body->is_static) {
-            pl_vec_store(pl_centre_of_mass(&body->shape, body->position, body->orientation), start);
-            start += 3;
-        }
-    }
+    char *path = pl_heap_format("%s/%s.positions", folder, run);
+    const bool is_open = pl_positions_open(path, &t->reader);
+    const size_t count = 3 * (size_t)t->reader.bodies;
+    t->moved = pl_heap_new(count, sizeof *t->moved);
+    t->place = pl_heap_new(count, sizeof *t->place);
+    free(path);
+    return is_open;
 }
 
 static void close_track(track *t)
 {
-    if (t->file != NULL) {
-        fclose(t->file);
-    }
+    pl_positions_close(&t->reader);
     free(t->moved);
-    free(t->start);
     free(t->place);
-    *t = (track){.file = NULL};
 }
 
-/* `t->file` stays NULL where there is no trajectory. */
-static pl_status open_track(const char *folder, const char *run, const pl_scene *scene, track *t,
-                            pl_error *error)
+static bool read_sample(track *t)
 {
-    const size_t count = 3 * (size_t)pl_positions_bodies(scene) + 1;
-    char *path = pl_positions_path(folder, run);
-    t->moved = calloc(count, sizeof *t->moved);
-    t->start = calloc(count, sizeof *t->start);
-    t->place = calloc(count, sizeof *t->place);
-    if (path == NULL || t->moved == NULL || t->start == NULL || t->place == NULL) {
-        free(path);
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for a trajectory");
-    }
-    t->file = pl_positions_open(path, scene, 0);
-    store_starts(scene, t->start);
-    free(path);
-    return PL_OK;
-}
-
-static bool read_sample(track *t, int bodies)
-{
-    if (!pl_positions_read(t->file, bodies, t->moved)) {
+    if (!pl_positions_read(&t->reader, t->moved)) {
         return false;
     }
-    for (int i = 0; i < 3 * bodies; ++i) {
-        t->place[i] = t->start[i] + t->moved[i];
+    for (int i = 0; i < 3 * t->reader.bodies; ++i) {
+        t->place[i] = t->reader.start[i] + t->moved[i];
     }
     return true;
 }
 
 /* Reads all tracks in step, to the end of the shortest. */
-static void follow(track *tracks, const double **places, int members, const pl_scene *scene,
-                   pl_horizon *horizon)
+static void follow(track *tracks, int members, pl_horizon *horizon)
 {
-    const int bodies = pl_positions_bodies(scene);
-    const double interval = (double)pl_positions_stride(scene->dt) * scene->dt;
-    horizon->threshold = share_of_size * pl_scene_least_size(scene);
+    const pl_positions_reader *first = &tracks[0].reader;
+    const double **places = pl_heap_new((size_t)members, sizeof *places);
     horizon->time = (double)INFINITY;
     for (long sample = 0;; ++sample) {
         for (int k = 0; k < members; ++k) {
-            if (!read_sample(&tracks[k], bodies)) {
+            if (!read_sample(&tracks[k])) {
+                free(places);
                 return;
             }
             places[k] = tracks[k].place;
         }
         horizon->known = true;
-        horizon->last_time = (double)sample * interval;
-        horizon->last_spread = pl_ensemble_spread(places, members, bodies);
+        horizon->last_time = (double)sample * first->interval;
+        horizon->last_spread = pl_ensemble_spread(places, members, first->bodies);
         if (isinf(horizon->time) && !(horizon->last_spread <= horizon->threshold)) {
             horizon->time = horizon->last_time;
         }
     }
 }
 
-pl_status pl_horizon_find(const pl_plan *plan, const pl_ensemble *ensemble, int members,
-                          const char *folder, pl_horizon *horizon, pl_error *error)
+void pl_horizon_find(const char *folder, const json_t *runs, double least_size, pl_horizon *horizon)
 {
-    *horizon = (pl_horizon){.known = false};
-    track *tracks = calloc((size_t)members, sizeof *tracks);
-    const double **places = calloc((size_t)members, sizeof *places);
-    pl_status status = tracks == NULL || places == NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for %d members", members)
-                           : PL_OK;
+    const int members = (int)json_array_size(runs);
+    track *tracks = pl_heap_new((size_t)members, sizeof *tracks);
     int open = 0;
-    for (int k = 0; k < members && status == PL_OK; ++k) {
-        char run[17];
-        pl_member_run(plan, ensemble, k, run);
-        status = open_track(folder, run, &plan->cases[ensemble->cases[k]].scene, &tracks[k], error);
-        open += tracks[k].file != NULL;
+    *horizon = (pl_horizon){.threshold = share_of_size * least_size};
+    for (int k = 0; k < members; ++k) {
+        const char *run = json_string_value(json_array_get(runs, (size_t)k));
+        const bool is_open = open_track(folder, run, &tracks[k]);
+        open += is_open && tracks[k].reader.bodies == tracks[0].reader.bodies &&
+                tracks[k].reader.interval == tracks[0].reader.interval;
     }
-    if (status == PL_OK && open == members) {
-        follow(tracks, places, members, &plan->cases[ensemble->cases[0]].scene, horizon);
+    if (open == members && members > 1) {
+        follow(tracks, members, horizon);
     }
     if (!horizon->known) {
         snprintf(horizon->reason, sizeof horizon->reason,
                  "%d of %d members left a trajectory, and of some there is no frame", open,
                  members);
     }
-    for (int k = 0; k < members && tracks != NULL; ++k) {
+    for (int k = 0; k < members; ++k) {
         close_track(&tracks[k]);
     }
     free(tracks);
-    free(places);
-    return status;
 }

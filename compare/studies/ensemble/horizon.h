@@ -8,7 +8,8 @@
 #ifndef PLUMB_HORIZON_H
 #define PLUMB_HORIZON_H
 
-#include "members.h"
+#include <jansson.h>
+#include <stdbool.h>
 
 /* The prediction horizon of one ensemble, or the reason why it is unknown. */
 typedef struct pl_horizon {
@@ -20,9 +21,10 @@ typedef struct pl_horizon {
     double last_time;   /* s, of that sample */
 } pl_horizon;
 
-/* Computes the horizon from the trajectories of all members in `folder`. PL_NO_MEMORY. */
-pl_status pl_horizon_find(const pl_plan *plan, const pl_ensemble *ensemble, int members,
-                          const char *folder, pl_horizon *horizon, pl_error *error);
+/* Computes the horizon from the trajectories in `folder` of all members, whose runs an array of texts names.
+ * `least_size` is that of the smallest body, m. */
+void pl_horizon_find(const char *folder, const json_t *runs, double least_size,
+                     pl_horizon *horizon);
 
 /* The spread of `bodies` bodies over `members` samples of 3 x bodies coordinates, m. */
 double pl_ensemble_spread(const double *const *members, int member_count, int bodies);

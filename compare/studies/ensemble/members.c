@@ -135,8 +135,8 @@ static pl_status add_references(pl_plan *plan, int count, int test_case, pl_erro
     return status;
 }
 
-static pl_status add_ensemble(const pl_members_def *def, const pl_plan *plan, const firsts *f,
-                              pl_ensemble added, int row, pl_ensembles *all, pl_error *error)
+static pl_status add_ensemble(const pl_members_def *def, const firsts *f, pl_ensemble added,
+                              int row, pl_ensembles *all, pl_error *error)
 {
     added.cases = calloc((size_t)def->members, sizeof *added.cases);
     if (added.cases == NULL) {
@@ -145,19 +145,12 @@ static pl_status add_ensemble(const pl_members_def *def, const pl_plan *plan, co
     for (int k = 0; k < def->members; ++k) {
         added.cases[k] = *first_of(f, row, k) + added.test_case;
     }
-    const char *label = plan->configurations[added.configuration].label;
-    if (added.setting == 0) {
-        snprintf(added.name, sizeof added.name, "%.250s", label);
-    } else {
-        snprintf(added.name, sizeof added.name, "%.150s [%.100s]", label,
-                 def->settings[added.setting - 1]);
-    }
     all->items[all->count++] = added;
     return PL_OK;
 }
 
-static pl_status list_ensembles(const pl_members_def *def, const pl_plan *plan, int engines,
-                                const firsts *f, pl_ensembles *all, pl_error *error)
+static pl_status list_ensembles(const pl_members_def *def, int engines, const firsts *f,
+                                pl_ensembles *all, pl_error *error)
 {
     const int rows = def->setting_count + 1 + (def->references ? 1 : 0);
     pl_status status = PL_OK;
@@ -174,7 +167,7 @@ static pl_status list_ensembles(const pl_members_def *def, const pl_plan *plan, 
                                            .setting = reference ? 0 : row,
                                            .reference = reference,
                                            .configuration = reference ? engines + e : e};
-                status = add_ensemble(def, plan, f, added, row, all, error);
+                status = add_ensemble(def, f, added, row, all, error);
             }
         }
     }
@@ -215,7 +208,7 @@ pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles
         status = add_references(plan, engines, 0, error);
     }
     if (status == PL_OK) {
-        status = list_ensembles(def, plan, engines, &f, ensembles, error);
+        status = list_ensembles(def, engines, &f, ensembles, error);
     }
     if (status == PL_OK) {
         status = pair_up(ensembles, plan, error);
@@ -233,10 +226,16 @@ void pl_ensembles_free(pl_ensembles *ensembles)
     *ensembles = (pl_ensembles){.count = 0};
 }
 
-void pl_member_run(const pl_plan *plan, const pl_ensemble *ensemble, int member, char run[17])
+json_t *pl_member_runs(const pl_plan *plan, const pl_ensemble *ensemble, int members)
 {
-    const pl_planned_run planned = {.test_case = &plan->cases[ensemble->cases[member]],
-                                    .configuration =
-                                        &plan->configurations[ensemble->configuration]};
-    (void)pl_planned_run_hash(plan, &planned, run, NULL);
+    json_t *runs = json_array();
+    for (int k = 0; k < members; ++k) {
+        const pl_planned_run planned = {.test_case = &plan->cases[ensemble->cases[k]],
+                                        .configuration =
+                                            &plan->configurations[ensemble->configuration]};
+        char run[17];
+        (void)pl_planned_run_hash(plan, &planned, run, NULL);
+        json_array_append_new(runs, json_string(run));
+    }
+    return runs;
 }

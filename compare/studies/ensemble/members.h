@@ -15,8 +15,7 @@ typedef struct pl_ensemble {
     int setting;       /* 0: as asked; k: with the k-th other setting */
     bool reference;    /* with the finer time step */
     int configuration; /* index into the plan's */
-    int *cases;        /* (members): index into the plan's, by member */
-    char name[256];    /* the engine's label, and the other setting in brackets */
+    int *cases;        /* (members): index into the plan's, by member; NULL in a conclusion */
 } pl_ensemble;
 
 /* The ensembles of a study, which all have the same number of members. */
@@ -29,9 +28,8 @@ typedef struct pl_ensembles {
 
 /* What pl_members_plan makes ensembles of. */
 typedef struct pl_members_def {
-    int members;                 /* >= 2 */
-    int setting_count;           /* other settings */
-    const char *const *settings; /* (setting_count): their names */
+    int members;       /* >= 2 */
+    int setting_count; /* other settings */
     bool references;
     void *user;
     /* Adds the cases to the plan: setting 0 as asked, k with the k-th other setting. */
@@ -47,7 +45,7 @@ pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles
 /* Frees the ensembles with their cases. */
 void pl_ensembles_free(pl_ensembles *ensembles);
 
-/* The hash by which results know a member's run; "" when out of memory. */
-void pl_member_run(const pl_plan *plan, const pl_ensemble *ensemble, int member, char run[17]);
+/* The hashes by which results know the members' runs, an array of texts. */
+json_t *pl_member_runs(const pl_plan *plan, const pl_ensemble *ensemble, int members);
 
 #endif

@@ -1,6 +1,7 @@
 /* Samples of observables, and the invariants, of an ensemble's results. */
 #include "sample.h"
 
+#include "base/heap.h"
 #include "plumb/vec.h"
 
 #include <stdlib.h>
@@ -20,21 +21,6 @@ int pl_observable_count(void)
         count += pl_is_observable(i);
     }
     return count;
-}
-
-json_t *pl_results_by_run(const json_t *results)
-{
-    json_t *by_run = json_object();
-    size_t index;
-    json_t *result;
-    json_array_foreach(results, index, result)
-    {
-        if (json_object_set(by_run, pl_json_get_text(result, "run"), result) != 0) {
-            json_decref(by_run);
-            return NULL;
-        }
-    }
-    return by_run;
 }
 
 /* Sets the mean and the standard deviation of the values. */
@@ -91,8 +77,7 @@ static void add_values(pl_observations *observed, const json_t *result, double d
     }
 }
 
-/* Whether a body's centre ended on the solid side of a static plane. */
-static bool fell_through(const pl_scene *scene, const json_t *result)
+bool pl_fell_through(const pl_scene *scene, const json_t *result)
 {
     const json_t *poses = json_object_get(result, "final_poses");
     for (int i = 0; i < scene->body_count; ++i) {
@@ -111,48 +96,40 @@ static bool fell_through(const pl_scene *scene, const json_t *result)
     return false;
 }
 
-static void check_invariants(pl_invariants *kept, const pl_scene *scene, const json_t *result)
+static void check_invariants(pl_invariants *kept, const json_t *result)
 {
     /* fmax passes over a NAN. */
     const double growth =
         fmax(value_of(result, PL_METRIC_ENERGY_GAIN), value_of(result, PL_METRIC_ENERGY_STEP_GAIN));
     kept->energy_growth = fmax(kept->energy_growth, growth);
     kept->energy_grew += growth > pl_energy_growth;
-    kept->fell_through += fell_through(scene, result);
+    kept->fell_through +=
+        json_is_true(json_object_get(json_object_get(result, "ensemble"), "fell_through"));
     kept->not_finite += outcome_of(result) == PL_OUTCOME_NONFINITE;
 }
 
-pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
-                                 const json_t *results_by_run, pl_observations *observed,
-                                 pl_error *error)
+void pl_observations_gather(const json_t *results, pl_observations *observed)
 {
+    size_t index;
+    const json_t *result;
     *observed = (pl_observations){.invariants = {.energy_growth = NAN}};
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
-        observed->samples[i].values = calloc((size_t)members, sizeof(double));
-        if (observed->samples[i].values == NULL) {
-            return pl_fail(error, PL_NO_MEMORY, "out of memory for %d members", members);
-        }
+        observed->samples[i].values = pl_heap_new(json_array_size(results), sizeof(double));
     }
-    for (int k = 0; k < members; ++k) {
-        const pl_scene *scene = &plan->cases[ensemble->cases[k]].scene;
-        char run[17];
-        pl_member_run(plan, ensemble, k, run);
-        const json_t *result = json_object_get(results_by_run, run);
-        if (result == NULL) {
-            continue;
-        }
+    json_array_foreach((json_t *)results, index, result)
+    {
         const pl_outcome outcome = outcome_of(result);
         observed->results += 1;
         observed->outcomes[outcome] += 1;
-        check_invariants(&observed->invariants, scene, result);
+        check_invariants(&observed->invariants, result);
         if (outcome == PL_OUTCOME_OK || outcome == PL_OUTCOME_COLLAPSED) {
-            add_values(observed, result, scene->duration);
+            const json_t *settings = json_object_get(result, "settings");
+            add_values(observed, result, json_number_value(json_object_get(settings, "duration")));
         }
     }
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         summarise(&observed->samples[i]);
     }
-    return PL_OK;
 }
 
 void pl_observations_free(pl_observations *observed)

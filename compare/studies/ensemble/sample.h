@@ -2,8 +2,8 @@
 #ifndef PLUMB_SAMPLE_H
 #define PLUMB_SAMPLE_H
 
-#include "members.h"
 #include "referee/metrics/metrics.h"
+#include "results/result.h"
 
 #include <jansson.h>
 
@@ -40,15 +40,13 @@ typedef struct pl_observations {
     pl_sample samples[PL_METRIC_COUNT]; /* empty where the metric is no observable */
 } pl_observations;
 
-/* Gathers the observations of an ensemble from the results. The caller always frees *observed. */
-pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
-                                 const json_t *results_by_run, pl_observations *observed,
-                                 pl_error *error);
+/* Gathers the observations of an ensemble from an array of its members' results. The caller frees *observed. */
+void pl_observations_gather(const json_t *results, pl_observations *observed);
+
+/* Whether a body's centre ended on the solid side of a static plane of the scene. */
+bool pl_fell_through(const pl_scene *scene, const json_t *result);
 
 /* Frees the values of all samples. */
 void pl_observations_free(pl_observations *observed);
-
-/* An object run -> result of an array of results; NULL when out of memory. */
-json_t *pl_results_by_run(const json_t *results);
 
 #endif

@@ -148,7 +148,7 @@ pl_status pl_verdicts_reach(const pl_ensemble_view *views, int count, pl_verdict
     }
     for (int a = 0; a < count; ++a) {
         for (int b = a + 1; b < count && status == PL_OK; ++b) {
-            if (comparable(views[a].ensemble, views[b].ensemble)) {
+            if (comparable(&views[a].ensemble, &views[b].ensemble)) {
                 status = add_pair(views, a, b, verdicts, error);
             }
         }
@@ -180,8 +180,8 @@ void pl_sample_test_sentence(const pl_ensemble_view *views, const pl_sample_test
         snprintf(text, size,
                  "%s and %s have about the same mean %s (%.3g and %.3g %s) but not the same "
                  "distribution: standard deviations %.3g and %.3g %s (p = %.2g)",
-                 more->ensemble->name, less->ensemble->name, info->name, high->mean, low->mean,
-                 info->unit, high->deviation, low->deviation, info->unit, comparison->corrected);
+                 more->name, less->name, info->name, high->mean, low->mean, info->unit,
+                 high->deviation, low->deviation, info->unit, comparison->corrected);
         return;
     }
     if (low->mean > 0 && excess <= 2 * low->mean) {
@@ -189,7 +189,7 @@ void pl_sample_test_sentence(const pl_ensemble_view *views, const pl_sample_test
     } else {
         snprintf(amount, sizeof amount, "%.3g %s", excess, info->unit);
     }
-    snprintf(text, size, "%s %s %s %s than %s (%s: means %.3g and %.3g %s, p = %.2g)",
-             more->ensemble->name, info->more[0], amount, info->more[1], less->ensemble->name,
-             info->name, high->mean, low->mean, info->unit, comparison->corrected);
+    snprintf(text, size, "%s %s %s %s than %s (%s: means %.3g and %.3g %s, p = %.2g)", more->name,
+             info->more[0], amount, info->more[1], less->name, info->name, high->mean, low->mean,
+             info->unit, comparison->corrected);
 }

@@ -8,6 +8,7 @@
 #define PLUMB_VERDICT_H
 
 #include "horizon.h"
+#include "members.h"
 #include "sample.h"
 
 /* Two ensembles differ where chance makes the difference as large in less than this share of all
@@ -16,7 +17,8 @@ extern const double pl_significance;
 
 /* All that is known of one ensemble. */
 typedef struct pl_ensemble_view {
-    const pl_ensemble *ensemble;
+    pl_ensemble ensemble;
+    char name[256]; /* the engine's label, and the other setting in brackets */
     pl_observations observed;
     pl_horizon horizon;
 } pl_ensemble_view;

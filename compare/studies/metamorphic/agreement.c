@@ -1,6 +1,7 @@
 /* Reads trajectories and compares them frame by frame. */
 #include "agreement.h"
 
+#include "base/heap.h"
 #include "late_start.h"
 #include "plumb/vec.h"
 
@@ -8,13 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-pl_status pl_trajectory_open(pl_trajectory *trajectory, const char *path, pl_error *error)
+pl_status pl_trajectory_open(pl_trajectory *trajectory, pl_error *error)
 {
-    *trajectory = (pl_trajectory){.file = path == NULL ? tmpfile() : fopen(path, "w+e")};
+    *trajectory = (pl_trajectory){.file = tmpfile()};
     return trajectory->file == NULL
-               ? pl_fail(error, PL_IO, "%s: %s",
-                         path == NULL ? "no temporary file for a trajectory" : path,
-                         strerror(errno))
+               ? pl_fail(error, PL_IO, "no temporary file for a trajectory: %s", strerror(errno))
                : PL_OK;
 }
 
@@ -28,19 +27,15 @@ void pl_trajectory_close(pl_trajectory *trajectory)
     *trajectory = (pl_trajectory){.file = NULL};
 }
 
-pl_status pl_trajectory_rewind(pl_trajectory *trajectory, int body_count, pl_error *error)
+void pl_trajectory_rewind(pl_trajectory *trajectory, int body_count)
 {
     pl_trajectory *t = trajectory;
-    size_t size = ((size_t)body_count + 1) * sizeof *t->frame.bodies;
-    pl_body_state *bodies = realloc(t->frame.bodies, size);
-    if (bodies == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d bodies", body_count);
-    }
-    t->frame = (pl_frame){.body_count = body_count, .bodies = bodies};
+    free(t->frame.bodies);
+    t->frame = (pl_frame){.body_count = body_count,
+                          .bodies = pl_heap_new((size_t)body_count + 1, sizeof *t->frame.bodies)};
     rewind(t->file);
     /* The header. */
     (void)!getline(&t->line, &t->capacity, t->file);
-    return PL_OK;
 }
 
 /* The text after the quoted name that begins at `text`, in which quotes are doubled; NULL where the
@@ -194,17 +189,10 @@ pl_status pl_compare_trajectories(const pl_trajectory_pair *comparison, pl_agree
     const long early = last < 10 ? 1 : last / 10;
     bool same = true;
     *agreement = (pl_agreement){.passes_at = (double)NAN};
-    pl_status status = pl_trajectory_rewind(c->plain, c->scene->body_count, error);
-    if (status == PL_OK) {
-        status = pl_trajectory_rewind(c->other, c->other_body_count, error);
-    }
-    if (status != PL_OK) {
-        return status;
-    }
-    pl_body_state *states = calloc(2 * (size_t)c->scene->body_count + 1, sizeof *states);
-    if (states == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d bodies", c->scene->body_count);
-    }
+    pl_status status = PL_OK;
+    pl_trajectory_rewind(c->plain, c->scene->body_count);
+    pl_trajectory_rewind(c->other, c->other_body_count);
+    pl_body_state *states = pl_heap_new(2 * (size_t)c->scene->body_count + 1, sizeof *states);
     for (long i = 0; i < c->first; ++i) {
         pl_trajectory_next(c->plain);
     }

@@ -17,13 +17,12 @@ typedef struct pl_trajectory {
     size_t capacity;
 } pl_trajectory;
 
-/* Opens an empty file for a run's frames. `path` is its name; NULL: it is a temporary one, which is
- * deleted when closed. */
-pl_status pl_trajectory_open(pl_trajectory *trajectory, const char *path, pl_error *error);
+/* Opens an empty temporary file for a run's frames, which is deleted when closed. PL_IO. */
+pl_status pl_trajectory_open(pl_trajectory *trajectory, pl_error *error);
 void pl_trajectory_close(pl_trajectory *trajectory); /* all zeros allowed */
 
 /* Goes to the first frame of a scene with `body_count` bodies. */
-pl_status pl_trajectory_rewind(pl_trajectory *trajectory, int body_count, pl_error *error);
+void pl_trajectory_rewind(pl_trajectory *trajectory, int body_count);
 
 /* Reads the next frame into trajectory->frame. False at the end, and where a run broke off. */
 bool pl_trajectory_next(pl_trajectory *trajectory);

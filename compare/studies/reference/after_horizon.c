@@ -1,5 +1,6 @@
 #include "after_horizon.h"
 
+#include "plumb/jitter.h"
 #include "studies/ensemble/horizon.h"
 #include "studies/ensemble/sample.h"
 #include "studies/ensemble/two_sample.h"
@@ -18,8 +19,8 @@ typedef struct crowd {
     int refinement;
     pl_plan plan;
     pl_ensembles ensembles;
-    json_t *results; /* array */
-    json_t *by_run;
+    json_t *runs;    /* of each ensemble an array of hashes */
+    json_t *results; /* by the hashes of their runs */
 } crowd;
 
 static pl_status add_case(void *user, int setting, pl_plan *plan, pl_error *error)
@@ -32,9 +33,9 @@ static pl_status add_case(void *user, int setting, pl_plan *plan, pl_error *erro
 
 static pl_status keep_result(void *user, json_t *result, pl_error *error)
 {
-    return json_array_append(user, result) == 0
-               ? PL_OK
-               : pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
+    (void)error;
+    json_object_set(user, pl_json_get_text(result, "run"), result);
+    return PL_OK;
 }
 
 /* Plans and runs the members of the plan's configurations. */
@@ -42,12 +43,11 @@ static pl_status run_crowd(const pl_reference_def *def, crowd *c, int *signal_nu
                            pl_error *error)
 {
     const pl_members_def members = {.members = PL_REFERENCE_MEMBERS, .user = c, .add = add_case};
-    c->results = json_array();
+    c->runs = json_array();
+    c->results = json_object();
     c->plan.seed = def->execution.plan->seed;
     c->plan.study = def->study;
-    pl_status status = c->results == NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for results")
-                           : pl_members_plan(&members, &c->plan, &c->ensembles, error);
+    const pl_status status = pl_members_plan(&members, &c->plan, &c->ensembles, error);
     if (status != PL_OK) {
         return status;
     }
@@ -64,18 +64,17 @@ static pl_status run_crowd(const pl_reference_def *def, crowd *c, int *signal_nu
     if (execution.bar != NULL) {
         execution.bar->total += pl_plan_size(&c->plan);
     }
-    status = pl_execute(&execution, signal_number, error);
-    if (status == PL_OK) {
-        c->by_run = pl_results_by_run(c->results);
-        status = c->by_run == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    for (int i = 0; i < c->ensembles.count; ++i) {
+        json_array_append_new(
+            c->runs, pl_member_runs(&c->plan, &c->ensembles.items[i], PL_REFERENCE_MEMBERS));
     }
-    return status;
+    return pl_execute(&execution, signal_number, error);
 }
 
 static void free_crowd(crowd *c)
 {
+    json_decref(c->runs);
     json_decref(c->results);
-    json_decref(c->by_run);
     pl_ensembles_free(&c->ensembles);
     pl_plan_free(&c->plan);
 }
@@ -88,10 +87,11 @@ static int ends_of(const crowd *c, int ensemble, int body, int axis,
                    double ends[PL_REFERENCE_MEMBERS])
 {
     int count = 0;
-    for (int k = 0; k < PL_REFERENCE_MEMBERS; ++k) {
-        char run[17];
-        pl_member_run(&c->plan, &c->ensembles.items[ensemble], k, run);
-        const json_t *result = json_object_get(c->by_run, run);
+    size_t index;
+    const json_t *run;
+    json_array_foreach(json_array_get(c->runs, (size_t)ensemble), index, run)
+    {
+        const json_t *result = json_object_get(c->results, json_string_value(run));
         const json_t *steps = json_object_get(result, "steps");
         const json_t *pose = json_array_get(json_object_get(result, "final_poses"), (size_t)body);
         if (json_is_array(pose) &&
@@ -183,17 +183,16 @@ static pl_status test_ends(const crowd *own, const crowd *others, const pl_refer
 /* ---- The whole ---- */
 
 /* Whether the members of the reference part. */
-static pl_status find_parting(const crowd *own, const char *folder, pl_after_horizon *after,
-                              pl_error *error)
+static void find_parting(const crowd *own, const char *folder, pl_after_horizon *after)
 {
+    const pl_case *first = &own->plan.cases[own->ensembles.items[0].cases[0]];
     pl_horizon horizon;
-    pl_status status = pl_horizon_find(&own->plan, &own->ensembles.items[0], PL_REFERENCE_MEMBERS,
-                                       folder, &horizon, error);
-    if (status == PL_OK && horizon.known && isfinite(horizon.time)) {
+    pl_horizon_find(folder, json_array_get(own->runs, 0), pl_scene_least_size(&first->scene),
+                    &horizon);
+    if (horizon.known && isfinite(horizon.time)) {
         after->parted = horizon.time;
         after->chaotic = true;
     }
-    return status;
 }
 
 static pl_status compare_crowds(const pl_reference_def *def, const pl_reference_verdict *verdict,
@@ -210,7 +209,7 @@ static pl_status compare_crowds(const pl_reference_def *def, const pl_reference_
     }
     if (status == PL_OK && *signal_number == 0) {
         after->made = true;
-        status = find_parting(&own, def->execution.positions, after, error);
+        find_parting(&own, def->execution.positions, after);
     }
     for (int i = 0; i < plan->configuration_count && status == PL_OK; ++i) {
         status = pl_plan_add_choice(&others.plan, &plan->configurations[i].choice,

@@ -1,5 +1,6 @@
 #include "body_paths.h"
 
+#include "base/heap.h"
 #include "runner/execute.h"
 #include "runner/positions.h"
 
@@ -20,30 +21,29 @@ pl_status pl_body_paths_read(const char *folder, const char *run, const pl_scene
                              long stride, pl_body_paths *paths, pl_error *error)
 {
     const long whole = pl_scene_steps(scene) / stride + 1;
+    const double interval = (double)stride * scene->dt;
+    pl_positions_reader reader;
     *paths = (pl_body_paths){.bodies = pl_positions_bodies(scene)};
     const size_t row = 3 * (size_t)paths->bodies;
     char *path = pl_positions_path(folder, run);
     if (path == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for a path");
     }
-    FILE *file = pl_positions_open(path, scene, stride);
+    const bool is_open = pl_positions_open(path, &reader);
     free(path);
-    if (file == NULL) {
+    if (!is_open || reader.bodies != paths->bodies || reader.interval != interval) {
+        pl_positions_close(&reader);
         return PL_OK;
     }
-    paths->moved = calloc((size_t)whole * row + 1, sizeof *paths->moved);
-    if (paths->moved == NULL) {
-        fclose(file);
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for a path");
-    }
+    paths->moved = pl_heap_new((size_t)whole * row, sizeof *paths->moved);
     while (paths->samples < whole) {
         double *sample = &paths->moved[(size_t)paths->samples * row];
-        if (!pl_positions_read(file, paths->bodies, sample) || !all_finite(sample, row)) {
+        if (!pl_positions_read(&reader, sample) || !all_finite(sample, row)) {
             break;
         }
         paths->samples += 1;
     }
-    fclose(file);
+    pl_positions_close(&reader);
     paths->completed = paths->samples == whole;
     return PL_OK;
 }

@@ -3,10 +3,8 @@
 #include "base/folding.h"
 #include "reference_json.h"
 
-#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* ---- Which cases ---- */
 
@@ -253,23 +251,5 @@ void pl_reference_study_print(FILE *out, const json_t *outcome)
         {
             fprintf(out, "  %s.\n", json_string_value(sentence));
         }
-    }
-}
-
-void pl_reference_study_clear(const char *folder)
-{
-    static const char ending[] = ".positions";
-    DIR *directory = opendir(folder);
-    for (const struct dirent *entry = NULL;
-         directory != NULL && (entry = readdir(directory)) != NULL;) {
-        const size_t length = strlen(entry->d_name);
-        if (length > strlen(ending) &&
-            strcmp(entry->d_name + length - strlen(ending), ending) == 0) {
-            unlinkat(dirfd(directory), entry->d_name, 0);
-        }
-    }
-    if (directory != NULL) {
-        closedir(directory);
-        rmdir(folder);
     }
 }

@@ -32,7 +32,4 @@ pl_status pl_reference_study(const pl_reference_study_def *def, json_t **outcome
 /* Writes the sentences of an outcome as text, under the name of each case. */
 void pl_reference_study_print(FILE *out, const json_t *outcome);
 
-/* Removes the positions of runs in a folder, and the folder if that leaves it empty. */
-void pl_reference_study_clear(const char *folder);
-
 #endif

@@ -1,6 +1,7 @@
 /* Decides from results which runs of a sweep need not be made. */
 #include "pruning.h"
 
+#include "base/heap.h"
 #include "base/text_buffer.h"
 #include "results/run_verdict.h"
 
@@ -134,24 +135,15 @@ static bool is_finer(const json_t *run, const json_t *than)
 }
 
 /* The result of a run that was not made. */
-static json_t *outcome_of(const json_t *timed_out, double dt)
+static json_t *result_of(json_t *identity, const json_t *timed_out, json_t *provenance)
 {
     const json_t *asked = json_object_get(json_object_get(timed_out, "steps"), "asked");
     const double duration = json_number_value(asked) * step_of(timed_out);
-    pl_run_result outcome = {.outcome = PL_OUTCOME_TIMEOUT, .steps_asked = lround(duration / dt)};
-    snprintf(outcome.reason, sizeof outcome.reason, "not run: at a time step of 1/%g s, %s",
-             1 / step_of(timed_out), pl_json_get_text(timed_out, "reason"));
-    return pl_run_result_to_json(&outcome);
-}
-
-static json_t *result_of(json_t *identity, const json_t *timed_out, json_t *provenance)
-{
-    char now[32];
-    json_t *outcome = outcome_of(timed_out, step_of(identity));
-    pl_timestamp(now);
-    json_t *result =
-        outcome == NULL ? NULL : pl_result_compose(identity, outcome, provenance, "", 0, now);
-    json_decref(outcome);
+    char *reason = pl_heap_format("not run: at a time step of 1/%g s, %s", 1 / step_of(timed_out),
+                                  pl_json_get_text(timed_out, "reason"));
+    json_t *result = pl_result_unmade(identity, PL_OUTCOME_TIMEOUT,
+                                      lround(duration / step_of(identity)), reason, provenance);
+    free(reason);
     return result;
 }
 
@@ -171,15 +163,11 @@ pl_status pl_prune_timeouts(const pl_plan *plan, const json_t *result, json_t *p
             continue;
         }
         json_t *identity = pl_planned_run_identity(plan, &run);
-        const bool is_due = identity == NULL || is_finer(identity, result);
-        json_t *unmade =
-            is_due && identity != NULL ? result_of(identity, result, provenance) : NULL;
-        if (unmade != NULL) {
+        if (is_finer(identity, result)) {
+            json_t *unmade = result_of(identity, result, provenance);
             status = keep(user, unmade, error);
-        } else if (is_due) {
-            status = pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
+            json_decref(unmade);
         }
-        json_decref(unmade);
         json_decref(identity);
     }
     return status;

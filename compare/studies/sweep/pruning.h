@@ -33,7 +33,7 @@ bool pl_repeats_spare(const pl_repeats *repeats, const char *run);
 /* Prunes runs after a timeout: a run that timed out at one time step takes longer at a shorter one.
  * Where `result` timed out, passes to `keep` a result with the outcome `timeout` for the first run
  * of each point of the plan that differs only in a shorter time step; its reason says that it was
- * not run. `keep` borrows the result; a status other than PL_OK ends the call. PL_NO_MEMORY. */
+ * not run. `keep` borrows the result; a status other than PL_OK ends the call. */
 pl_status pl_prune_timeouts(const pl_plan *plan, const json_t *result, json_t *provenance,
                             void *user,
                             pl_status (*keep)(void *user, json_t *result, pl_error *error),

@@ -1,0 +1,319 @@
+/* What the results of metamorphic checks say: plumb.metamorphic/1, and the document. */
+#include "agreement.h"
+#include "base/heap.h"
+#include "metamorphic.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Concluding ---- */
+
+static bool is_outcome(const json_t *result, const char *outcome)
+{
+    return strcmp(pl_json_get_text(result, "outcome"), outcome) == 0;
+}
+
+/* A difference as the result has it, or one without numbers. */
+static json_t *difference_of(const json_t *agreement, const char *key, const char *verdict)
+{
+    json_t *found = json_object_get(agreement, key);
+    return found != NULL ? json_incref(found)
+                         : json_pack("{s:n, s:n, s:s}", "position", "rotation", "verdict", verdict);
+}
+
+/* A check of a plain run, by its result. */
+static json_t *conclude_check(const char *check, const json_t *result)
+{
+    const json_t *agreement = json_object_get(result, "agreement"),
+                 *end = json_object_get(agreement, "end");
+    const bool is_inapplicable = is_outcome(result, "unsupported");
+    const bool ended = is_outcome(result, "ok") || is_outcome(result, "collapsed");
+    const char *verdict = end != NULL       ? pl_json_get_text(end, "verdict")
+                          : is_inapplicable ? pl_grade_name(PL_GRADE_INAPPLICABLE)
+                                            : pl_grade_name(PL_GRADE_FAILED);
+    char *reason = NULL;
+    if (is_inapplicable) {
+        reason = pl_heap_copy(pl_json_get_text(result, "reason"));
+    } else if (!ended) {
+        reason = pl_heap_format("transformed run %s: %s", pl_json_get_text(result, "outcome"),
+                                pl_json_get_text(result, "reason"));
+    } else if (end == NULL) {
+        reason = pl_heap_format("too few frames: %s", pl_json_get_text(agreement, "reason"));
+    }
+    json_t *passes_at = json_object_get(agreement, "passes_at");
+    json_t *found =
+        json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "check", check, "verdict", verdict, "reason",
+                  reason == NULL ? json_null() : pl_json_text(reason, strlen(reason)), "passes_at",
+                  passes_at == NULL ? json_null() : json_incref(passes_at), "early",
+                  difference_of(agreement, "early", verdict), "end",
+                  difference_of(agreement, "end", verdict));
+    free(reason);
+    return found;
+}
+
+/* plumb.metamorphic/1 of a plain run; `results` has those of its checks by their names. */
+static json_t *conclude_run(const json_t *plain, const json_t *results)
+{
+    static const char *const kept[] = {
+        "scenario",      "params",      "scene_hash",  "engine",         "engine_version",
+        "engine_binary", "engine_spec", "profile",     "engine_runtime", "threads",
+        "as_shipped",    "label",       "settings",    "seed",           "primary_error",
+        "run",           "acceptance",  "conformance", "outcome",        "reason"};
+    int count = 0;
+    const pl_check *checks = pl_checks(&count);
+    json_t *found = json_array();
+    json_t *row =
+        json_pack("{s:s, s:O, s:o}", "schema", "plumb.metamorphic/1", "size",
+                  json_object_get(json_object_get(plain, "agreement"), "size"), "checks", found);
+    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; ++i) {
+        json_object_set(row, kept[i], json_object_get(plain, kept[i]));
+    }
+    for (int i = 0; i < count; ++i) {
+        const json_t *result = json_object_get(results, checks[i].name);
+        if (result != NULL) {
+            json_array_append_new(found, conclude_check(checks[i].name, result));
+        }
+    }
+    return row;
+}
+
+/* Of plain runs that differ in nothing of these, the last one counts: the others are of an older edition of the scene. */
+static void add_plain(json_t *plains, json_t *result)
+{
+    static const char *const same[] = {"scenario", "params", "engine", "engine_binary",
+                                       "profile",  "label",  "seed",   NULL};
+    char *key = pl_study_key(result, same);
+    json_object_set(plains, key, result);
+    free(key);
+}
+
+static void add_check(json_t *checks, const char *plain, const char *check, json_t *result)
+{
+    json_t *own = json_object_get(checks, plain);
+    if (own == NULL) {
+        own = json_object();
+        json_object_set_new(checks, plain, own);
+    }
+    json_object_set(own, check, result);
+}
+
+static pl_status conclude(const json_t *results, const char *folder, json_t **conclusion,
+                          pl_error *error)
+{
+    (void)folder;
+    json_t *plains = json_object(), *checks = json_object(), *result;
+    pl_status status = PL_OK;
+    size_t index;
+    const char *key;
+    json_array_foreach((json_t *)results, index, result)
+    {
+        const json_t *study = json_object_get(result, "study");
+        const char *plain = pl_json_get_text(study, "plain");
+        const json_t *size = json_object_get(json_object_get(result, "agreement"), "size");
+        if (plain[0] != '\0') {
+            add_check(checks, plain, pl_json_get_text(study, "check"), result);
+        } else if (json_is_number(size)) {
+            add_plain(plains, result);
+        } else {
+            status = pl_fail(error, PL_BAD_INPUT,
+                             "results[%zu]: expected a metamorphic check, with study.plain or "
+                             "agreement.size",
+                             index);
+            break;
+        }
+    }
+    if (status == PL_OK) {
+        *conclusion = json_array();
+        json_object_foreach(plains, key, result)
+        {
+            json_array_append_new(
+                *conclusion,
+                conclude_run(result, json_object_get(checks, pl_json_get_text(result, "run"))));
+        }
+    }
+    json_decref(plains);
+    json_decref(checks);
+    return status;
+}
+
+/* ---- The document ---- */
+
+static const json_t *check_of(const json_t *row, const char *name)
+{
+    size_t index;
+    const json_t *check;
+    json_array_foreach(json_object_get(row, "checks"), index, check)
+    {
+        if (strcmp(pl_json_get_text(check, "check"), name) == 0) {
+            return check;
+        }
+    }
+    return NULL;
+}
+
+static void add_verdict(pl_table *table, const char *verdict)
+{
+    static const struct {
+        pl_grade grade;
+        const char *style;
+    } styles[] = {{PL_GRADE_BITWISE, "ok"},
+                  {PL_GRADE_EXACT, "ok"},
+                  {PL_GRADE_DIFFERS, "poor"},
+                  {PL_GRADE_FAILED, "bad"},
+                  {PL_GRADE_INAPPLICABLE, "none"}};
+    pl_table_add(table, verdict);
+    for (size_t i = 0; i < sizeof styles / sizeof styles[0]; ++i) {
+        if (strcmp(verdict, pl_grade_name(styles[i].grade)) == 0) {
+            pl_table_style(table, styles[i].style);
+        }
+    }
+}
+
+/* The verdict of each check on each engine. An engine whose plain run failed has failed them all. */
+static void add_verdicts(pl_document *document, const json_t *rows)
+{
+    int count = 0;
+    size_t index;
+    const json_t *row;
+    const pl_check *checks = pl_checks(&count);
+    pl_table table = {0};
+    pl_table_column(&table, PL_LEFT, "check");
+    json_array_foreach((json_t *)rows, index, row)
+    {
+        pl_table_column(&table, PL_LEFT, "%s", pl_json_get_text(row, "label"));
+    }
+    for (int i = 0; i < count; ++i) {
+        bool is_made = false;
+        json_array_foreach((json_t *)rows, index, row)
+        {
+            is_made = is_made || check_of(row, checks[i].name) != NULL;
+        }
+        if (!is_made) {
+            continue;
+        }
+        pl_table_add(&table, checks[i].name);
+        json_array_foreach((json_t *)rows, index, row)
+        {
+            const json_t *check = check_of(row, checks[i].name);
+            const bool has_failed =
+                check == NULL && json_array_size(json_object_get(row, "checks")) == 0;
+            add_verdict(&table, check != NULL ? pl_json_get_text(check, "verdict")
+                                : has_failed  ? pl_grade_name(PL_GRADE_FAILED)
+                                              : "-");
+        }
+    }
+    pl_document_table(document, "Verdicts at the end of the run", &table);
+}
+
+static void add_difference(pl_table *table, const json_t *difference)
+{
+    const json_t *position = json_object_get(difference, "position"),
+                 *rotation = json_object_get(difference, "rotation");
+    pl_table_format_cell(table, "%.1e",
+                         json_is_null(position) ? HUGE_VAL : json_number_value(position));
+    pl_table_format_cell(table, "%.1e",
+                         json_is_null(rotation) ? HUGE_VAL : json_number_value(rotation));
+    add_verdict(table, pl_json_get_text(difference, "verdict"));
+}
+
+static void add_span(pl_table *table, const char *verdict, const char *reason)
+{
+    char *text = pl_heap_format("%s: %s", verdict, reason);
+    pl_table_add_span(table, text);
+    free(text);
+}
+
+static void add_check_row(pl_table *table, const char *label, const json_t *check)
+{
+    const char *reason = pl_json_get_text(check, "reason");
+    const json_t *passes_at = json_object_get(check, "passes_at");
+    pl_table_add(table, label);
+    pl_table_add(table, pl_json_get_text(check, "check"));
+    if (reason[0] != '\0') {
+        add_span(table, pl_json_get_text(check, "verdict"), reason);
+        return;
+    }
+    add_difference(table, json_object_get(check, "early"));
+    add_difference(table, json_object_get(check, "end"));
+    if (json_is_number(passes_at)) {
+        pl_table_format_cell(table, "%.3g s", json_number_value(passes_at));
+    } else {
+        pl_table_add(table, "never");
+    }
+}
+
+static void add_differences(pl_document *document, const json_t *rows)
+{
+    size_t index, k;
+    const json_t *row, *check;
+    pl_table table = {.keys = 2};
+    pl_table_columns(&table,
+                     "engine|check|>m/size, at a tenth|>rad, at a tenth|verdict, at a tenth|"
+                     ">m/size, at end|>rad, at end|verdict, at end|>passed at");
+    json_array_foreach((json_t *)rows, index, row)
+    {
+        const char *label = pl_json_get_text(row, "label");
+        const char *outcome = pl_json_get_text(row, "outcome");
+        json_array_foreach(json_object_get(row, "checks"), k, check)
+        {
+            add_check_row(&table, label, check);
+        }
+        if (k == 0 && strcmp(outcome, "ok") != 0) {
+            char *plain =
+                pl_heap_format("plain run %s: %s", outcome, pl_json_get_text(row, "reason"));
+            pl_table_add(&table, label);
+            pl_table_add(&table, "all");
+            add_span(&table, pl_grade_name(PL_GRADE_FAILED), plain);
+            free(plain);
+        }
+    }
+    pl_document_table(document,
+                      "Differences at a tenth of the run and at its end, and when 1e-6 of the "
+                      "size was passed",
+                      &table);
+}
+
+/* The rows of one scene. */
+static void add_scene(pl_document *document, const json_t *rows)
+{
+    const json_t *first = json_array_get(rows, 0), *settings = json_object_get(first, "settings");
+    char *params = pl_study_params(json_object_get(first, "params"));
+    pl_document_heading(document, "%s", pl_json_get_text(first, "scenario"));
+    pl_document_paragraph(document, "%s%sSize %.4g m, time step %.4g s, duration %.4g s.", params,
+                          params[0] == '\0' ? "" : ". ",
+                          json_number_value(json_object_get(first, "size")),
+                          json_number_value(json_object_get(settings, "dt")),
+                          json_number_value(json_object_get(settings, "duration")));
+    if (json_array_size(rows) > 1) {
+        add_verdicts(document, rows);
+    }
+    add_differences(document, rows);
+    free(params);
+}
+
+static void fill_document(const json_t *conclusion, pl_document *document)
+{
+    static const char *const same[] = {"scenario", "params", "seed", NULL};
+    json_t *scenes = json_object(), *rows, *row;
+    size_t index;
+    const char *key;
+    document->title = "Metamorphic checks: scenes that must move in the same way";
+    json_array_foreach((json_t *)conclusion, index, row)
+    {
+        char *text = pl_study_key(row, same);
+        if (json_object_get(scenes, text) == NULL) {
+            json_object_set_new(scenes, text, json_array());
+        }
+        json_array_append(json_object_get(scenes, text), row);
+        free(text);
+    }
+    json_object_foreach(scenes, key, rows)
+    {
+        add_scene(document, rows);
+    }
+    json_decref(scenes);
+}
+
+const pl_study pl_metamorphic_study = {
+    .name = "metamorphic", .kind = "metamorphic", .conclude = conclude, .document = fill_document};
