@@ -91,7 +91,7 @@ static pl_status make_runs(void *user, pl_execution_def *how, int *signal_number
 /* Runs what is due and concludes. */
 static int execute(const pl_call *call, const options *o, planned_work *planned)
 {
-    const pl_study_work work = {&pl_ensemble_study, planned, make_runs};
+    const pl_study_work work = {.study = &pl_ensemble_study, .user = planned, .run = make_runs};
     planned->trajectories = pl_heap_format("%s/trajectories", o->request.out);
     const int code = pl_study_command(call, &o->request, &work);
     if (!o->keep && (code == PL_EXIT_OK || code == PL_EXIT_NOTHING)) {

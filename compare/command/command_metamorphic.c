@@ -61,7 +61,8 @@ static int run(const pl_call *call)
     } else if (pl_plan_size(&plan) == 0) {
         code = pl_call_nothing(call, "there is nothing to compare");
     } else {
-        const pl_study_work work = {&pl_metamorphic_study, &chosen, make_runs};
+        const pl_study_work work = {
+            .study = &pl_metamorphic_study, .user = &chosen, .run = make_runs};
         code = pl_study_command(call, &o.request, &work);
     }
     free(chosen.chosen);
