@@ -1,5 +1,7 @@
 #include "arena.h"
 
+#include "heap.h"
+
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,8 +33,7 @@ void *pl_arena_take(pl_arena *arena, size_t count, size_t size)
         block = malloc(sizeof *block + count * size);
     }
     if (block == NULL) {
-        arena->failed = true;
-        return NULL;
+        pl_out_of_memory();
     }
     /* Writes every page now, which calloc leaves to the first use: memory of the harness must not
      * look like growth of an engine's. The empty statement keeps the compiler from making a calloc of
@@ -52,5 +53,4 @@ void pl_arena_free(pl_arena *arena)
         free(arena->blocks);
         arena->blocks = next;
     }
-    arena->failed = false;
 }

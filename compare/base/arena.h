@@ -5,21 +5,19 @@
  *     ...
  *     pl_arena_free(&arena);
  *
- * Several pieces may be taken before one check: `failed` stays true once any of them is NULL. */
+ * Memory that ends ends the process. */
 #ifndef PLUMB_ARENA_H
 #define PLUMB_ARENA_H
 
-#include <stdbool.h>
 #include <stddef.h>
 
 /* The pieces of memory that are freed together. */
 typedef struct pl_arena {
     struct pl_arena_block *blocks; /* the pieces, last first */
-    bool failed;                   /* a piece could not be allocated */
 } pl_arena;
 
-/* `count` zeroed items of `size` bytes, aligned for any type; NULL when out of memory. A count of 0
- * gives a pointer that must not be read. */
+/* `count` zeroed items of `size` bytes, aligned for any type. A count of 0 gives a pointer that must not
+ * be read. */
 void *pl_arena_take(pl_arena *arena, size_t count, size_t size);
 
 /* Has the system give the pages of memory just allocated, all in one call: page by page, as each is

@@ -21,11 +21,7 @@ static void add_block(pl_document *document, pl_block block)
 __attribute__((format(printf, 3, 0))) static void
 add_text(pl_document *document, pl_block_kind kind, const char *format, va_list arguments)
 {
-    pl_block block = {.kind = kind};
-    if (vasprintf(&block.text, format, arguments) < 0) {
-        pl_out_of_memory();
-    }
-    add_block(document, block);
+    add_block(document, (pl_block){.kind = kind, .text = pl_heap_format_list(format, arguments)});
 }
 
 void pl_document_heading(pl_document *document, const char *format, ...)
@@ -54,9 +50,6 @@ void pl_document_item(pl_document *document, const char *format, ...)
 
 void pl_document_table(pl_document *document, const char *caption, pl_table *table)
 {
-    if (table->texts.failed) {
-        pl_out_of_memory();
-    }
     if (pl_table_rows(table) == 0) {
         pl_table_free(table);
         return;

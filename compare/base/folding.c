@@ -1,5 +1,6 @@
 #include "folding.h"
 
+#include "heap.h"
 #include "text_width.h"
 
 #include <stdarg.h>
@@ -108,15 +109,13 @@ void pl_text_add_folded(pl_text_buffer *out, const char *text, int width)
 {
     for (const char *line = text; *line != '\0';) {
         const size_t length = strcspn(line, "\n");
-        pl_text_buffer copy = {0};
-        pl_text_add_bytes(&copy, line, length);
-        if (copy.data != NULL && pl_text_width(copy.data) > width) {
-            add_folded_line(out, copy.data, width);
+        char *copy = pl_heap_format("%.*s", (int)length, line);
+        if (pl_text_width(copy) > width) {
+            add_folded_line(out, copy, width);
         } else {
             pl_text_add_plain(out, line, length);
         }
-        out->failed |= copy.failed;
-        pl_text_free(&copy);
+        free(copy);
         pl_text_add(out, line[length] == '\n' ? "\n" : "");
         line += length + (line[length] == '\n');
     }
@@ -124,37 +123,34 @@ void pl_text_add_folded(pl_text_buffer *out, const char *text, int width)
 
 void pl_print_line(FILE *out, const char *format, ...)
 {
-    char *line = NULL;
     va_list arguments;
     va_start(arguments, format);
-    const bool made = vasprintf(&line, format, arguments) >= 0;
+    char *line = pl_heap_format_list(format, arguments);
     va_end(arguments);
-    fprintf(out, "%s\n", made ? pl_make_plain(line) : "out of memory");
-    free(made ? line : NULL);
+    fprintf(out, "%s\n", pl_make_plain(line));
+    free(line);
 }
 
 FILE *pl_folding_begin(pl_folding *folding, FILE *out)
 {
     *folding = (pl_folding){.out = out};
     folding->in = open_memstream(&folding->text, &folding->length);
-    return folding->in == NULL ? out : folding->in;
+    if (folding->in == NULL) {
+        pl_out_of_memory();
+    }
+    return folding->in;
 }
 
 void pl_folding_end(pl_folding *folding)
 {
-    if (folding->in == NULL) {
-        return;
+    pl_text_buffer buffer = {0};
+    if (fclose(folding->in) != 0) {
+        pl_out_of_memory();
     }
-    pl_text_buffer folded = {0};
-    const bool complete = fclose(folding->in) == 0;
-    if (complete) {
-        pl_text_add_folded(&folded, folding->text, pl_window_width(folding->out));
-    }
-    fputs(!complete || folded.failed ? "out of memory for text\n"
-          : folded.data == NULL      ? ""
-                                     : folded.data,
-          folding->out);
-    pl_text_free(&folded);
+    pl_text_add_folded(&buffer, folding->text, pl_window_width(folding->out));
+    char *folded = pl_text_take(&buffer);
+    fputs(folded, folding->out);
+    free(folded);
     free(folding->text);
     *folding = (pl_folding){.out = NULL};
 }

@@ -43,8 +43,7 @@ typedef struct pl_folding {
     size_t length;
 } pl_folding;
 
-/* Begins folding. Returns the stream to write to, which pl_folding_end closes; `out` itself when
- * memory runs out. */
+/* Begins folding. Returns the stream to write to, which pl_folding_end closes. */
 FILE *pl_folding_begin(pl_folding *folding, FILE *out);
 
 /* Writes what was written, folded, to the stream that pl_folding_begin was given. */

@@ -3,7 +3,6 @@
 #include "base/array.h"
 
 #include <jansson.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -48,14 +47,19 @@ char *pl_heap_copy(const char *text)
     return checked(strdup(text), 1);
 }
 
-char *pl_heap_format(const char *format, ...)
+char *pl_heap_format_list(const char *format, va_list arguments)
 {
     char *text;
+    return checked(vasprintf(&text, format, arguments) < 0 ? NULL : text, 1);
+}
+
+char *pl_heap_format(const char *format, ...)
+{
     va_list arguments;
     va_start(arguments, format);
-    const int length = vasprintf(&text, format, arguments);
+    char *text = pl_heap_format_list(format, arguments);
     va_end(arguments);
-    return checked(length < 0 ? NULL : text, 1);
+    return text;
 }
 
 void pl_push(void *items, int *count, const void *item, size_t size)

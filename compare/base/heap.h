@@ -7,6 +7,7 @@
 
 #include "base/text_buffer.h"
 
+#include <stdarg.h>
 #include <stddef.h>
 
 /* Ends the process with this message, a line, and exit code 3. */
@@ -25,6 +26,10 @@ char *pl_heap_copy(const char *text);
 
 /* Text as of printf. */
 __attribute__((format(printf, 1, 2))) char *pl_heap_format(const char *format, ...);
+
+/* Text as of vprintf. */
+__attribute__((format(printf, 1, 0))) char *pl_heap_format_list(const char *format,
+                                                                va_list arguments);
 
 /* pl_array_push where memory does not end. */
 void pl_push(void *items, int *count, const void *item, size_t size);

@@ -1,6 +1,7 @@
 #include "json_write.h"
 
 #include "base/number.h"
+#include "heap.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -84,14 +85,10 @@ static int compare_keys(const void *a, const void *b)
 static void write_object(const writer *w, const json_t *json, int depth)
 {
     const size_t count = json_object_size(json);
-    const char **keys = malloc(count * sizeof *keys + 1);
+    const char **keys = pl_heap_new(count, sizeof *keys);
     const char *key;
     json_t *value;
     size_t i = 0;
-    if (keys == NULL) {
-        w->out->failed = true;
-        return;
-    }
     json_object_foreach((json_t *)json, key, value)
     {
         keys[i++] = key;

@@ -1,7 +1,7 @@
 #include "table.h"
 
-#include "base/array.h"
 #include "folding.h"
+#include "heap.h"
 #include "table_text.h"
 #include "text_width.h"
 
@@ -20,72 +20,41 @@ void pl_table_free(pl_table *table)
 
 /* ---- Filling ---- */
 
-/* Ends the text that was added to table->texts since `offset`. */
-static void end_text(pl_table *table)
+/* Adds a text of so many bytes to table->texts. Returns where it begins. */
+static size_t add_text(pl_table *table, const char *text, size_t length)
 {
+    const size_t offset = table->texts.length;
+    pl_text_add_bytes(&table->texts, text, length);
     pl_text_add_bytes(&table->texts, "", 1);
+    if (table->texts.failed) {
+        pl_out_of_memory();
+    }
+    return offset;
 }
 
-static void push_column(pl_table *table, size_t text, pl_table_align align)
+static void push_column(pl_table *table, pl_table_align align, const char *heading, size_t length)
 {
-    const pl_table_heading heading = {.text = text, .align = align};
-    end_text(table);
-    if (pl_array_push(&table->headings, &table->column_count, &heading, sizeof heading, NULL) !=
-        PL_OK) {
-        table->texts.failed = true;
-    }
-}
-
-static void push_cell(pl_table *table, size_t text)
-{
-    const pl_table_cell cell = {.text = text};
-    end_text(table);
-    if (!table->texts.failed &&
-        pl_array_push(&table->cells, &table->cell_count, &cell, sizeof cell, NULL) != PL_OK) {
-        table->texts.failed = true;
-    }
-}
-
-/* Adds formatted text to table->texts. */
-#if defined(__GNUC__)
-__attribute__((format(printf, 2, 0)))
-#endif
-static void
-add_formatted(pl_table *table, const char *format, va_list arguments)
-{
-    va_list again;
-    va_copy(again, arguments);
-    int length = vsnprintf(NULL, 0, format, again);
-    va_end(again);
-    char *text = length < 0 ? NULL : malloc((size_t)length + 1);
-    if (text == NULL) {
-        table->texts.failed = true;
-        return;
-    }
-    vsnprintf(text, (size_t)length + 1, format, arguments);
-    pl_text_add(&table->texts, text);
-    free(text);
+    const pl_table_heading added = {.text = add_text(table, heading, length), .align = align};
+    pl_push(&table->headings, &table->column_count, &added, sizeof added);
 }
 
 void pl_table_column(pl_table *table, pl_table_align align, const char *heading, ...)
 {
-    const size_t text = table->texts.length;
     va_list arguments;
     va_start(arguments, heading);
-    add_formatted(table, heading, arguments);
+    char *text = pl_heap_format_list(heading, arguments);
     va_end(arguments);
-    push_column(table, text, align);
+    push_column(table, align, text, strlen(text));
+    free(text);
 }
 
 void pl_table_columns(pl_table *table, const char *headings)
 {
     for (const char *next = headings;; ++next) {
-        const size_t text = table->texts.length;
         const pl_table_align align = *next == '>' ? PL_RIGHT : PL_LEFT;
         next += align == PL_RIGHT;
         const size_t length = strcspn(next, "|");
-        pl_text_add_bytes(&table->texts, next, length);
-        push_column(table, text, align);
+        push_column(table, align, next, length);
         next += length;
         if (*next == '\0') {
             return;
@@ -95,19 +64,18 @@ void pl_table_columns(pl_table *table, const char *headings)
 
 void pl_table_add(pl_table *table, const char *text)
 {
-    const size_t offset = table->texts.length;
-    pl_text_add(&table->texts, text);
-    push_cell(table, offset);
+    const pl_table_cell cell = {.text = add_text(table, text, strlen(text))};
+    pl_push(&table->cells, &table->cell_count, &cell, sizeof cell);
 }
 
 void pl_table_format_cell(pl_table *table, const char *format, ...)
 {
-    const size_t offset = table->texts.length;
     va_list arguments;
     va_start(arguments, format);
-    add_formatted(table, format, arguments);
+    char *text = pl_heap_format_list(format, arguments);
     va_end(arguments);
-    push_cell(table, offset);
+    pl_table_add(table, text);
+    free(text);
 }
 
 void pl_table_number(pl_table *table, double value, int digits)
@@ -119,38 +87,24 @@ void pl_table_number(pl_table *table, double value, int digits)
     }
 }
 
-/* The cell that was added last; NULL when there is none. */
-static pl_table_cell *last_cell(pl_table *table)
-{
-    return table->texts.failed || table->cell_count == 0 ? NULL
-                                                         : &table->cells[table->cell_count - 1];
-}
-
 void pl_table_add_markup(pl_table *table, const char *markup)
 {
     pl_table_add(table, markup);
-    if (last_cell(table) != NULL) {
-        last_cell(table)->is_markup = true;
-    }
+    table->cells[table->cell_count - 1].is_markup = true;
 }
 
 void pl_table_add_span(pl_table *table, const char *text)
 {
     pl_table_add(table, text);
-    if (last_cell(table) != NULL) {
-        last_cell(table)->is_span = true;
-    }
-    while (!table->texts.failed && table->cell_count % table->column_count != 0) {
+    table->cells[table->cell_count - 1].is_span = true;
+    while (table->cell_count % table->column_count != 0) {
         pl_table_add(table, "");
     }
 }
 
 void pl_table_style(pl_table *table, const char *style)
 {
-    pl_table_cell *cell = last_cell(table);
-    if (cell != NULL) {
-        cell->style = style;
-    }
+    table->cells[table->cell_count - 1].style = style;
 }
 
 /* ---- Writing ---- */
@@ -266,24 +220,16 @@ static void write_rows(const writer *w, int first, int last)
 
 void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffer *out)
 {
-    if (table->texts.failed || table->column_count == 0) {
-        out->failed |= table->texts.failed;
-        return;
-    }
     const int rows = pl_table_rows(table);
     const int last = table->last == 0 || table->last > rows ? rows : table->last;
-    if (table->first >= last && format != PL_TABLE_CSV) {
+    if (table->column_count == 0 || (table->first >= last && format != PL_TABLE_CSV)) {
         return;
     }
     if (format == PL_TABLE_TEXT) {
         pl_table_write_text(table, table->first, last, out);
         return;
     }
-    int *width = calloc((size_t)table->column_count, sizeof *width);
-    if (width == NULL) {
-        out->failed = true;
-        return;
-    }
+    int *width = pl_heap_new((size_t)table->column_count, sizeof *width);
     for (int k = 0; k < table->column_count && format == PL_TABLE_MARKDOWN_PADDED; ++k) {
         width[k] = column_width(table, k);
     }
@@ -297,6 +243,7 @@ void pl_table_print(pl_table *table, FILE *out)
     pl_text_buffer text = {0};
     table->line_width = pl_window_width(out);
     pl_table_write(table, PL_TABLE_TEXT, &text);
-    fputs(text.failed ? "out of memory for a table\n" : text.data == NULL ? "" : text.data, out);
-    pl_text_free(&text);
+    char *whole = pl_text_take(&text);
+    fputs(whole, out);
+    free(whole);
 }

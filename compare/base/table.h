@@ -9,8 +9,7 @@
  *     pl_table_write(&table, PL_TABLE_MARKDOWN, &buffer);
  *     pl_table_free(&table);
  *
- * Every text is copied. When memory runs out, `texts.failed` is set, further calls do nothing, and
- * pl_table_write sets `failed` of the buffer that it writes to. */
+ * Every text is copied. Memory that ends ends the program. */
 #ifndef PLUMB_TABLE_H
 #define PLUMB_TABLE_H
 
@@ -92,11 +91,11 @@ void pl_table_add_markup(pl_table *table, const char *markup);
 /* Adds a cell that takes the rest of its row. */
 void pl_table_add_span(pl_table *table, const char *text);
 
-/* Sets the style of the last cell, borrowed: its colour in text is "ok" green, "poor" yellow, "bad" red,
+/* Sets the style of the last cell, which there is, borrowed: its colour in text is "ok" green, "poor" yellow, "bad" red,
  * "none" faint; NULL or another: none. */
 void pl_table_style(pl_table *table, const char *style);
 
-/* Complete rows; 0 when memory ran out. */
+/* Complete rows. */
 int pl_table_rows(const pl_table *table);
 
 /* The text of a cell, or of a heading (row -1); NULL for a cell that a span covers. Valid until the
@@ -107,7 +106,7 @@ const char *pl_table_text(const pl_table *table, int row, int column);
  * table line up. */
 void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffer *out);
 
-/* Writes the table as text that fits the window of a stream, or a message that memory ran out. */
+/* Writes the table as text that fits the window of a stream. */
 void pl_table_print(pl_table *table, FILE *out);
 
 #endif

@@ -3,9 +3,7 @@
 
 int pl_table_rows(const pl_table *table)
 {
-    return table->texts.failed || table->column_count == 0
-               ? 0
-               : table->cell_count / table->column_count;
+    return table->column_count == 0 ? 0 : table->cell_count / table->column_count;
 }
 
 const char *pl_table_text(const pl_table *table, int row, int column)

@@ -4,6 +4,7 @@
 #include "table_text.h"
 
 #include "folding.h"
+#include "heap.h"
 #include "text_width.h"
 
 #include <stdlib.h>
@@ -147,19 +148,19 @@ static int write_part(const layout *l, int row, int column, int width, int space
     const char *rest = l->rest[column], *colour = l->table->colour ? colour_of(cell->style) : "";
     size_t next = 0;
     const size_t length = pl_fold_line(rest, width, &next);
-    pl_text_buffer part = {0};
-    pl_text_add_plain(&part, rest, length);
-    const int used = part.data == NULL ? 0 : pl_text_width(part.data);
+    pl_text_buffer plain = {0};
+    pl_text_add_plain(&plain, rest, length);
+    char *part = pl_text_take(&plain);
+    const int used = pl_text_width(part);
     l->rest[column] = rest + next;
     const int blank = width - used;
     if (used > 0) {
         pl_text_add_spaces(l->out, spaces + (is_right ? blank : 0));
         pl_text_add(l->out, colour);
-        pl_text_add(l->out, part.failed ? "" : part.data);
+        pl_text_add(l->out, part);
         pl_text_add(l->out, colour[0] != '\0' ? RESET : "");
     }
-    l->out->failed |= part.failed;
-    pl_text_free(&part);
+    free(part);
     return GAP + (used == 0 ? spaces + width : is_right ? 0 : blank);
 }
 
@@ -217,24 +218,19 @@ static void write_table(layout *l, int first, int last)
 void pl_table_write_text(const pl_table *table, int first, int last, pl_text_buffer *out)
 {
     const int columns = table->column_count;
-    int *numbers = calloc(4 * (size_t)columns, sizeof *numbers);
-    const char **rest = calloc((size_t)columns, sizeof *rest);
-    if (numbers == NULL || rest == NULL) {
-        out->failed = true;
-    } else {
-        layout l = {.table = table,
-                    .out = out,
-                    .keys = smaller(larger(1, table->keys), columns - 1),
-                    .available = table->line_width > 0
-                                     ? larger(1, table->line_width - table->indent)
-                                     : UNLIMITED,
-                    .natural = numbers,
-                    .least = numbers + columns,
-                    .width = numbers + 2 * (size_t)columns,
-                    .shown = numbers + 3 * (size_t)columns,
-                    .rest = rest};
-        write_table(&l, first, last);
-    }
+    int *numbers = pl_heap_new(4 * (size_t)columns, sizeof *numbers);
+    const char **rest = pl_heap_new((size_t)columns, sizeof *rest);
+    layout l = {.table = table,
+                .out = out,
+                .keys = smaller(larger(1, table->keys), columns - 1),
+                .available = table->line_width > 0 ? larger(1, table->line_width - table->indent)
+                                                   : UNLIMITED,
+                .natural = numbers,
+                .least = numbers + columns,
+                .width = numbers + 2 * (size_t)columns,
+                .shown = numbers + 3 * (size_t)columns,
+                .rest = rest};
+    write_table(&l, first, last);
     free(numbers);
     free(rest);
 }

@@ -1,5 +1,6 @@
 #include "process.h"
 
+#include "base/heap.h"
 #include "base/sanitizer.h"
 
 #include <errno.h>
@@ -153,13 +154,11 @@ pl_status pl_process_start(pl_process *process, const pl_limits *limits,
     pl_status status = PL_OK;
     *process = (pl_process){.supervisor = -1, .handle = -1, .output = -1, .answer = -1};
     process->text_capacity = CHUNK;
-    process->text = malloc(process->text_capacity);
-    void *shared = mmap(NULL, sizeof *process->report, PROT_READ | PROT_WRITE,
-                        MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    process->report = shared == MAP_FAILED ? NULL : shared;
-    if (process->text == NULL || process->report == NULL) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory");
-        goto cleanup;
+    process->text = pl_heap_new(1, CHUNK);
+    process->report = mmap(NULL, sizeof *process->report, PROT_READ | PROT_WRITE,
+                           MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (process->report == MAP_FAILED) {
+        pl_out_of_memory();
     }
     if (pipe2(output, O_CLOEXEC) != 0 || pipe2(answer, O_CLOEXEC) != 0) {
         status = pl_fail(error, PL_IO, "cannot make a pipe for a run: %s", strerror(errno));
@@ -242,17 +241,15 @@ static void stream_lines(pl_process *process)
 static void keep_answer(pl_process *process, const char *bytes, size_t length)
 {
     size_t needed = process->text_length + length;
-    if (needed > MAX_ANSWER || process->lacked_memory) {
+    if (needed > MAX_ANSWER) {
         return;
     }
     if (needed > process->text_capacity) {
-        char *grown = realloc(process->text, 2 * needed);
-        if (grown == NULL) {
-            process->lacked_memory = true;
-            return;
-        }
-        process->text = grown;
         process->text_capacity = 2 * needed;
+        process->text = realloc(process->text, process->text_capacity);
+        if (process->text == NULL) {
+            pl_out_of_memory();
+        }
     }
     memcpy(process->text + process->text_length, bytes, length);
     process->text_length = needed;

@@ -43,7 +43,6 @@ typedef struct pl_process {
     size_t tail_length;
     char *text; /* the answer so far */
     size_t text_length, text_capacity;
-    bool lacked_memory; /* for the answer, of which `text` then is a part */
     /* Gets whole lines of the answer as they come, except for those from the first that begins with
      * '{' on, which alone are kept in `text`. NULL, as pl_process_start sets it: all are kept. */
     FILE *stream;

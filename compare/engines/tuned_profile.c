@@ -1,5 +1,6 @@
 #include "tuned_profile.h"
 
+#include "base/heap.h"
 #include "base/json_field.h"
 
 #include <math.h>
@@ -93,11 +94,8 @@ static pl_status add_file(const pl_engine_info *engine, const char *path, json_t
 static pl_status add_files(const pl_engine_info *engine, json_t *list, pl_error *error)
 {
     const char *paths = getenv(PL_PROFILES_VARIABLE);
-    char *copy = paths == NULL ? NULL : strdup(paths);
+    char *copy = pl_heap_copy(paths == NULL ? "" : paths);
     pl_status status = PL_OK;
-    if (paths != NULL && copy == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for " PL_PROFILES_VARIABLE);
-    }
     for (char *rest = copy; rest != NULL && status == PL_OK;) {
         const char *path = strsep(&rest, ":");
         if (path[0] != '\0') {
@@ -113,8 +111,7 @@ static pl_status add_own(const pl_engine_info *engine, json_t *list, pl_error *e
     size_t index;
     json_t *file;
     json_t *own = json_loads(pl_tuned_profiles_json, JSON_REJECT_DUPLICATES, NULL);
-    pl_status status =
-        own == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for profiles") : PL_OK;
+    pl_status status = PL_OK;
     json_array_foreach(own, index, file)
     {
         if (status == PL_OK) {
@@ -128,8 +125,7 @@ static pl_status add_own(const pl_engine_info *engine, json_t *list, pl_error *e
 pl_status pl_tuned_profiles(const pl_engine_info *engine, json_t **list, pl_error *error)
 {
     *list = json_array();
-    pl_status status = *list == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for profiles")
-                                     : add_files(engine, *list, error);
+    pl_status status = add_files(engine, *list, error);
     if (status == PL_OK && engine->built_in != NULL) {
         status = add_own(engine, *list, error);
     }

@@ -20,7 +20,7 @@ typedef struct pl_tuned_profile {
 /* The tuned profiles of an engine as a JSON array, which the caller releases: the objects of the
  * files that PLUMB_PROFILES names, in their order, and then those that come with Plumb for its
  * built-in engines. Each has the key "from": the path of its file, or "plumb". Of several of one
- * name only the first is listed. PL_BAD_INPUT: a file is no plumb.profile/1. PL_IO, PL_NO_MEMORY. */
+ * name only the first is listed. PL_BAD_INPUT: a file is no plumb.profile/1. PL_IO. */
 pl_status pl_tuned_profiles(const pl_engine_info *engine, json_t **list, pl_error *error);
 
 /* Looks the profile `name` up in pl_tuned_profiles. PL_BAD_INPUT also: the file sets what the engine

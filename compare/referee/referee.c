@@ -1,6 +1,7 @@
 /* Hands each frame to the modules that measure, and collects their metrics at the end. */
 #include "referee.h"
 
+#include "base/heap.h"
 #include "referee/geometry/candidate_pairs.h"
 #include "referee/metrics/chaotic.h"
 #include "referee/metrics/expectations.h"
@@ -39,32 +40,24 @@ struct pl_referee {
     pl_body_state *last;       /* (body_count): the last valid frame */
 };
 
-pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_error *error)
+pl_referee *pl_referee_create(const pl_scene *scene)
 {
-    pl_referee *r = *referee = calloc(1, sizeof *r);
-    if (r != NULL) {
-        pl_arena *arena = &r->arena;
-        r->view.scene = scene;
-        r->view.scale = pl_scale_of(scene);
-        r->asked = pl_scene_steps(scene);
-        r->pairs = pl_candidate_pairs_create(scene, arena);
-        r->view.touching = pl_touching_create(scene, arena);
-        r->view.mechanics = pl_mechanics_create(scene, arena);
-        r->values = pl_values_create(scene, arena);
-        r->standing = pl_standing_create(scene, arena);
-        r->repeats = pl_repeated_steps_create(scene, arena);
-        r->view.last = r->last = pl_arena_take(arena, (size_t)scene->body_count, sizeof *r->last);
-        for (int i = 0; i < MODULE_COUNT; ++i) {
-            r->state[i] = modules[i]->create != NULL ? modules[i]->create(scene, arena) : NULL;
-        }
-        if (!arena->failed) {
-            return PL_OK;
-        }
+    pl_referee *r = pl_heap_new(1, sizeof *r);
+    pl_arena *arena = &r->arena;
+    r->view.scene = scene;
+    r->view.scale = pl_scale_of(scene);
+    r->asked = pl_scene_steps(scene);
+    r->pairs = pl_candidate_pairs_create(scene, arena);
+    r->view.touching = pl_touching_create(scene, arena);
+    r->view.mechanics = pl_mechanics_create(scene, arena);
+    r->values = pl_values_create(scene, arena);
+    r->standing = pl_standing_create(scene, arena);
+    r->repeats = pl_repeated_steps_create(scene, arena);
+    r->view.last = r->last = pl_arena_take(arena, (size_t)scene->body_count, sizeof *r->last);
+    for (int i = 0; i < MODULE_COUNT; ++i) {
+        r->state[i] = modules[i]->create != NULL ? modules[i]->create(scene, arena) : NULL;
     }
-    pl_referee_destroy(r);
-    *referee = NULL;
-    return pl_fail(error, PL_NO_MEMORY, "no memory to referee a scene of %d bodies",
-                   scene->body_count);
+    return r;
 }
 
 void pl_referee_destroy(pl_referee *r)

@@ -15,9 +15,8 @@
 /* A referee of one run. */
 typedef struct pl_referee pl_referee;
 
-/* `scene` must outlive the referee. The caller frees it by pl_referee_destroy (NULL allowed).
- * PL_NO_MEMORY. */
-pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_error *error);
+/* `scene` must outlive the referee. The caller frees it by pl_referee_destroy. */
+pl_referee *pl_referee_create(const pl_scene *scene);
 /* Frees the referee; NULL is allowed. */
 void pl_referee_destroy(pl_referee *referee);
 

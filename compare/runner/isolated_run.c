@@ -51,9 +51,6 @@ static json_t *read_poses(const char *bytes, size_t count)
 static json_t *read_answer(const pl_process *process)
 {
     json_error_t place;
-    if (process->lacked_memory) {
-        pl_out_of_memory();
-    }
     json_t *outcome =
         json_loadb(process->text, process->text_length, JSON_DISABLE_EOF_CHECK, &place);
     if (outcome == NULL) {

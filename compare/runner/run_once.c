@@ -158,15 +158,13 @@ static pl_status prepare(run *r, pl_error *error)
     if (r->contacts == NULL) {
         pl_out_of_memory();
     }
-    pl_status status = pl_referee_create(scene, &r->referee, error);
-    if (status == PL_OK && scene->body_count >= MANY_BODIES) {
+    r->referee = pl_referee_create(scene);
+    if (scene->body_count >= MANY_BODIES) {
         r->pool = pl_thread_pool_create(r->def->referee_threads);
         pl_referee_set_threads(r->referee, r->pool);
     }
     pl_state_hashes_create(scene, &r->hashes);
-    if (status == PL_OK && r->def->trajectory != NULL) {
-        status = write_header(r->def->trajectory, error);
-    }
+    pl_status status = r->def->trajectory != NULL ? write_header(r->def->trajectory, error) : PL_OK;
     if (status == PL_OK && r->def->positions != NULL) {
         status = pl_positions_create(r->def->positions, scene, r->def->positions_stride,
                                      &r->positions, error);

@@ -57,7 +57,7 @@ void run_begin(run *r)
         memcpy(r->state[i].velocity, body->velocity, sizeof body->velocity);
         memcpy(r->state[i].angular_velocity, body->angular_velocity, sizeof body->angular_velocity);
     }
-    assert_int_equal(pl_referee_create(&r->scene, &r->referee, &r->error), PL_OK);
+    r->referee = pl_referee_create(&r->scene);
     pl_referee_set_engine(r->referee, &r->engine);
     pl_frame frame = run_frame(r);
     assert_int_equal(pl_referee_start(r->referee, &frame), PL_ENDING_OK);

@@ -231,9 +231,6 @@ pl_broad_phase *pl_broad_phase_create(const pl_scene *scene, pl_arena *arena)
     pl_broad_phase *bp = pl_arena_take(arena, 1, sizeof *bp);
     box *boxes = pl_arena_take(arena, count, sizeof *boxes);
     int *planes = pl_arena_take(arena, count, sizeof *planes);
-    if (arena->failed) {
-        return NULL;
-    }
     *bp = (pl_broad_phase){
         .scene = scene, .boxes = boxes, .planes = planes, .axis = widest_axis(scene), .period = 1};
     for (int i = 0; i < scene->body_count; ++i) {
@@ -252,7 +249,7 @@ pl_broad_phase *pl_broad_phase_create(const pl_scene *scene, pl_arena *arena)
     }
     bp->starts = pl_arena_take(arena, (size_t)(bp->period * bp->period) + 1, sizeof *bp->starts);
     bp->entries = pl_arena_take(arena, COLUMN_ENTRIES * (size_t)bp->box_count, sizeof *bp->entries);
-    return arena->failed ? NULL : bp;
+    return bp;
 }
 
 /* Boxes on their way to new poses. */

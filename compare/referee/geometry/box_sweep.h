@@ -11,7 +11,7 @@
 typedef struct pl_broad_phase pl_broad_phase;
 
 /* Takes the sort axis and the first order from the scene's poses. `scene` must outlive it. Memory
- * of the arena; NULL when out of memory. */
+ * of the arena. */
 pl_broad_phase *pl_broad_phase_create(const pl_scene *scene, pl_arena *arena);
 
 /* Moves the boxes to new poses, (scene->body_count). `margin`, (scene->body_count) or NULL for

@@ -59,31 +59,30 @@ static int compare_shapes(const void *a, const void *b)
 
 /* Makes the surfaces, (body_count), that bodies need to be measured against meshes. Equal shapes
  * share a surface. A scene without a mesh has none. */
-static bool make_surfaces(const pl_scene *scene, pl_arena *arena, const pl_surface **surfaces)
+static void make_surfaces(const pl_scene *scene, pl_arena *arena, const pl_surface **surfaces)
 {
     bool any_mesh = false;
     for (int i = 0; i < scene->body_count; ++i) {
         any_mesh = any_mesh || scene->bodies[i].shape.kind == PL_SHAPE_MESH;
     }
-    shape_of_body *list =
-        any_mesh ? pl_arena_take(arena, (size_t)scene->body_count, sizeof *list) : NULL;
+    if (!any_mesh) {
+        return;
+    }
+    shape_of_body *list = pl_arena_take(arena, (size_t)scene->body_count, sizeof *list);
     int count = 0;
-    for (int i = 0; i < scene->body_count && list != NULL; ++i) {
+    for (int i = 0; i < scene->body_count; ++i) {
         if (has_surface(&scene->bodies[i].shape)) {
             list[count++] = (shape_of_body){&scene->bodies[i].shape, i};
         }
     }
-    if (count > 0) {
-        qsort(list, (size_t)count, sizeof *list, compare_shapes);
-    }
-    for (int i = 0; i < count && !arena->failed; ++i) {
+    qsort(list, (size_t)count, sizeof *list, compare_shapes);
+    for (int i = 0; i < count; ++i) {
         if (i > 0 && compare_surfaces(list[i - 1].shape, list[i].shape) == 0) {
             surfaces[list[i].body] = surfaces[list[i - 1].body];
         } else {
-            (void)pl_surface_create(list[i].shape, arena, &surfaces[list[i].body]);
+            surfaces[list[i].body] = pl_surface_create(list[i].shape, arena);
         }
     }
-    return !arena->failed;
 }
 
 /* ---- Candidate pairs ---- */
@@ -117,7 +116,7 @@ struct pl_candidate_pairs {
     pl_body_state *bodies; /* (body_count): the last frame */
     pl_near_pair *seen;    /* (seen_count of seen_capacity): its pairs, in their order */
     int seen_count, seen_capacity;
-    bool has_seen; /* there is a last frame, and all of its pairs are in `seen` */
+    bool has_seen; /* there is a last frame */
 };
 
 /* One frame. */
@@ -149,9 +148,6 @@ pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *a
 {
     size_t count = (size_t)scene->body_count;
     pl_candidate_pairs *p = pl_arena_take(arena, 1, sizeof *p);
-    if (p == NULL) {
-        return NULL;
-    }
     *p = (pl_candidate_pairs){.scene = scene,
                               .broad_phase = pl_broad_phase_create(scene, arena),
                               .surfaces = pl_arena_take(arena, count, sizeof(const pl_surface *)),
@@ -159,14 +155,12 @@ pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *a
                               .margin = pl_arena_take(arena, count, sizeof *p->margin),
                               .arena = arena,
                               .bodies = pl_arena_take(arena, count, sizeof *p->bodies)};
-    if (arena->failed || !make_surfaces(scene, arena, p->surfaces)) {
-        return NULL;
-    }
+    make_surfaces(scene, arena, p->surfaces);
     for (int i = 0; i < scene->body_count; ++i) {
         p->radius[i] = pl_bounding_radius(&scene->bodies[i].shape);
     }
     make_pieces(p, arena);
-    return arena->failed ? NULL : p;
+    return p;
 }
 
 /* Static bodies are where the scene has them, whatever the engine reports. */
@@ -269,32 +263,26 @@ static void fill_pieces(void *context, int begin, int end)
 }
 
 /* The memory of smaller arrays is the arena's until its end. */
-static bool reserve_seen(pl_candidate_pairs *p)
+static void reserve_seen(pl_candidate_pairs *p)
 {
     if (p->seen_count < p->seen_capacity) {
-        return true;
+        return;
     }
     const int capacity = 2 * p->seen_capacity + PIECES;
     pl_near_pair *seen = pl_arena_take(p->arena, (size_t)capacity, sizeof *seen);
-    if (seen == NULL) {
-        return false;
-    }
     if (p->seen_count > 0) {
         memcpy(seen, p->seen, (size_t)p->seen_count * sizeof *seen);
     }
     p->seen = seen;
     p->seen_capacity = capacity;
-    return true;
 }
 
 /* Hands a pair out, and keeps it for a frame that is the same. */
 static void hand_out(const frame *f, const pl_near_pair *pair)
 {
     pl_candidate_pairs *p = f->pairs;
-    p->has_seen = p->has_seen && reserve_seen(p);
-    if (p->has_seen) {
-        p->seen[p->seen_count++] = *pair;
-    }
+    reserve_seen(p);
+    p->seen[p->seen_count++] = *pair;
     f->see(f->context, pair);
 }
 

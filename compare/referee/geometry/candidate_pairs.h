@@ -22,7 +22,7 @@ typedef struct pl_near_pair {
     bool meets;
 } pl_near_pair;
 
-/* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
+/* `scene` must outlive it. Memory of the arena. */
 pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *arena);
 
 /* Calls `see` once with each candidate pair of a frame, (scene->body_count): all pairs with gap <=

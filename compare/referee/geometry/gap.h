@@ -34,7 +34,7 @@ pl_status pl_gap_closed_form(const pl_placed_shape *a, const pl_placed_shape *b,
  * cylinder, the result is exact to about 1e-9 of that sum; of an overlap it is a local minimum over
  * all directions, and an upper bound within 3e-4 (mostly 1e-6) shows that no other minimum is much
  * lower. Allocates. PL_FAILED if the two bounds do not meet within the limit of iterations,
- * PL_NO_MEMORY, PL_UNSUPPORTED for a plane or a mesh. Source: van den Bergen 2003, ch. 4. */
+ * PL_UNSUPPORTED for a plane or a mesh. Source: van den Bergen 2003, ch. 4. */
 pl_status pl_gap_convex(const pl_placed_shape *a, const pl_placed_shape *b, double within,
                         double *gap);
 
@@ -53,8 +53,8 @@ double pl_distance_convex(const pl_placed_shape *a, const pl_placed_shape *b, do
  * depth to which one solid has locally penetrated the other. The vertices of a cylinder are its
  * farthest points against the faces that it crosses, and the depth of an edge in it is that of
  * convex shapes. Spheres and capsules are measured by their cores, and their radius is added.
- * Allocates. PL_NO_MEMORY; PL_FAILED as pl_gap_convex, with a cylinder only; PL_UNSUPPORTED without
- * a mesh or with a plane. */
+ * Allocates. PL_FAILED as pl_gap_convex, with a cylinder only; PL_UNSUPPORTED without a mesh or with a
+ * plane. */
 pl_status pl_gap_mesh(const pl_placed_shape *a, const pl_placed_shape *b, double within,
                       double *gap);
 

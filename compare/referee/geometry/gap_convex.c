@@ -21,6 +21,7 @@
  *
  * libccd compares squared lengths with absolute numbers, so the shapes are scaled to unit size
  * first. Source: van den Bergen 2003, ch. 4. */
+#include "base/heap.h"
 #include "gap.h"
 #include "solid.h"
 
@@ -253,7 +254,7 @@ static pl_status upper_bound(const convex *a, const convex *b, const ccd_t *ccd,
     ccd_vec3_t dir, position;
     int code = ccdGJKPenetration(a, b, ccd, &depth, &dir, &position);
     if (code == -2) {
-        return PL_NO_MEMORY;
+        pl_out_of_memory();
     }
     *upper = code == 0 ? -depth : core_distance(a, b);
     /* EPA's facets are always inside A - B. On a curved surface EPA always reaches the limit. */

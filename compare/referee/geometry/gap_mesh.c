@@ -217,24 +217,20 @@ static bool any_part_inside(const probe *p)
 
 /* Raises *depth to the largest depth of the source's features. The piercings are those of the
  * source. */
-static pl_status probe_depth(const pl_surface_pair *pair, int of, const pl_piercing *piercings,
-                             int count, double *depth)
+static void probe_depth(const pl_surface_pair *pair, int of, const pl_piercing *piercings,
+                        int count, double *depth)
 {
     probe p = {.pair = pair,
                .of = of,
                .source = of == 0 ? pair->a : pair->b,
                .target = of == 0 ? pair->b : pair->a};
     if (!p.target->closed || (count == 0 && !any_part_inside(&p))) {
-        return PL_OK;
+        return;
     }
     pl_arena arena = {0};
     p.reached = pl_arena_take(&arena, (size_t)p.source->vertex_count, sizeof *p.reached);
     p.pierces = pl_arena_take(&arena, (size_t)p.source->edge_count, sizeof *p.pierces);
     p.stack = pl_arena_take(&arena, (size_t)p.source->vertex_count, sizeof *p.stack);
-    if (arena.failed) {
-        pl_arena_free(&arena);
-        return PL_NO_MEMORY;
-    }
     for (int first = 0, next; first < count; first = next) {
         for (next = first + 1; next < count && piercings[next].edge == piercings[first].edge;) {
             next += 1;
@@ -251,31 +247,21 @@ static pl_status probe_depth(const pl_surface_pair *pair, int of, const pl_pierc
     }
     *depth = fmax(*depth, p.depth);
     pl_arena_free(&arena);
-    return PL_OK;
 }
 
 /* The gap of the solids of two surfaces. */
-static pl_status surface_gap(const pl_surface_pair *pair, double within, double *gap)
+static double surface_gap(const pl_surface_pair *pair, double within)
 {
-    pl_piercing *piercings = NULL;
     int count = 0, of_a = 0;
     double depth = 0, distance = pl_surface_pair_distance(pair, within);
-    pl_status status = PL_OK;
-    if (distance <= 0) {
-        status = pl_surface_pair_piercings(pair, &piercings, &count);
-    }
+    pl_piercing *piercings = distance <= 0 ? pl_surface_pair_piercings(pair, &count) : NULL;
     while (of_a < count && piercings[of_a].of == 0) {
         of_a += 1;
     }
-    if (status == PL_OK) {
-        status = probe_depth(pair, 0, piercings, of_a, &depth);
-    }
-    if (status == PL_OK) {
-        status = probe_depth(pair, 1, count > of_a ? piercings + of_a : NULL, count - of_a, &depth);
-    }
+    probe_depth(pair, 0, piercings, of_a, &depth);
+    probe_depth(pair, 1, count > of_a ? piercings + of_a : NULL, count - of_a, &depth);
     free(piercings);
-    *gap = depth > 0 ? -depth : distance;
-    return status;
+    return depth > 0 ? -depth : distance;
 }
 
 /* ---- Cylinders, which have neither a flat surface nor a core with one ---- */
@@ -458,15 +444,11 @@ static pl_status mesh_gap(const pl_placed_shape *mesh, const pl_placed_shape *ot
     if (other->shape->kind == PL_SHAPE_CYLINDER) {
         return cylinder_gap(&pair, other->shape, within, gap);
     }
-    pl_status status = PL_OK;
     if (pair.b == NULL) {
-        status = pl_surface_create(other->shape, arena, &pair.b);
+        pair.b = pl_surface_create(other->shape, arena);
     }
-    if (status == PL_OK) {
-        status = surface_gap(&pair, within + radius, gap);
-        *gap -= radius;
-    }
-    return status;
+    *gap = surface_gap(&pair, within + radius) - radius;
+    return PL_OK;
 }
 
 pl_status pl_gap_mesh(const pl_placed_shape *a, const pl_placed_shape *b, double within,
@@ -476,16 +458,13 @@ pl_status pl_gap_mesh(const pl_placed_shape *a, const pl_placed_shape *b, double
     pl_placed_shape mesh = a_is_mesh ? *a : *b;
     const pl_placed_shape *other = a_is_mesh ? b : a;
     pl_arena arena = {0};
-    pl_status status = PL_OK;
     if (mesh.shape->kind != PL_SHAPE_MESH || other->shape->kind == PL_SHAPE_PLANE) {
         return PL_UNSUPPORTED;
     }
     if (mesh.surface == NULL) {
-        status = pl_surface_create(mesh.shape, &arena, &mesh.surface);
+        mesh.surface = pl_surface_create(mesh.shape, &arena);
     }
-    if (status == PL_OK) {
-        status = mesh_gap(&mesh, other, within, &arena, gap);
-    }
+    const pl_status status = mesh_gap(&mesh, other, within, &arena, gap);
     pl_arena_free(&arena);
     return status;
 }

@@ -8,7 +8,7 @@ enum { LEAF = 2, MAX_DEPTH = 64 };
 /* ---- Vertices and triangles ---- */
 
 /* Allocates all arrays and copies the vertices and triangles. */
-static bool fill(pl_surface *s, pl_arena *arena, const pl_polyhedron *source)
+static void fill(pl_surface *s, pl_arena *arena, const pl_polyhedron *source)
 {
     size_t v = (size_t)source->vertex_count, t = (size_t)source->triangle_count;
     s->vertex_count = source->vertex_count;
@@ -24,14 +24,10 @@ static bool fill(pl_surface *s, pl_arena *arena, const pl_polyhedron *source)
     s->parts = pl_arena_take(arena, v, sizeof *s->parts);
     s->nodes = pl_arena_take(arena, 2 * t, sizeof *s->nodes);
     s->order = pl_arena_take(arena, t, sizeof *s->order);
-    if (arena->failed) {
-        return false;
-    }
     for (int i = 0; i < s->vertex_count; ++i) {
         s->vertices[i] = pl_vec_of(source->vertices[i]);
     }
     memcpy(s->triangles, source->triangles, t * sizeof *s->triangles);
-    return true;
 }
 
 pl_triangle pl_surface_triangle(const pl_surface *s, int triangle)
@@ -85,14 +81,11 @@ static int compare_sides(const void *left, const void *right)
 
 /* Makes one edge of the equal sides of several triangles. Sides without length, as in a capsule's
  * core, are left out. */
-static bool find_edges(pl_surface *s, pl_arena *scratch)
+static void find_edges(pl_surface *s, pl_arena *scratch)
 {
     int count = 0;
     find_normals(s);
     side *sides = pl_arena_take(scratch, 3 * (size_t)s->triangle_count, sizeof *sides);
-    if (sides == NULL) {
-        return false;
-    }
     for (int t = 0; t < s->triangle_count; ++t) {
         for (int k = 0; k < 3; ++k) {
             int from = s->triangles[t][k], to = s->triangles[t][(k + 1) % 3];
@@ -111,7 +104,6 @@ static bool find_edges(pl_surface *s, pl_arena *scratch)
         edge->normal = pl_vec_add(edge->normal, s->normals[sides[i].triangle]);
         s->sides[sides[i].triangle][sides[i].corner] = s->edge_count - 1;
     }
-    return true;
 }
 
 /* ---- Neighbours and connected parts ---- */
@@ -133,12 +125,12 @@ static void find_rings(pl_surface *s)
     }
 }
 
-static bool find_parts(pl_surface *s, pl_arena *scratch)
+static void find_parts(pl_surface *s, pl_arena *scratch)
 {
     find_rings(s);
     bool *seen = pl_arena_take(scratch, (size_t)s->vertex_count, sizeof *seen);
     int *stack = pl_arena_take(scratch, (size_t)s->vertex_count, sizeof *stack);
-    for (int i = 0; !scratch->failed && i < s->vertex_count; ++i) {
+    for (int i = 0; i < s->vertex_count; ++i) {
         if (seen[i]) {
             continue;
         }
@@ -157,7 +149,6 @@ static bool find_parts(pl_surface *s, pl_arena *scratch)
             }
         }
     }
-    return !scratch->failed;
 }
 
 /* ---- Tree: halves by the median along the widest axis of the triangles' centroids ---- */
@@ -237,12 +228,9 @@ static void build_node(pl_surface *s, item *items, int first, int count)
     build_node(s, items + half, first + half, count - half);
 }
 
-static bool build_tree(pl_surface *s, pl_arena *scratch)
+static void build_tree(pl_surface *s, pl_arena *scratch)
 {
     item *items = pl_arena_take(scratch, (size_t)s->triangle_count, sizeof *items);
-    if (items == NULL) {
-        return false;
-    }
     for (int t = 0; t < s->triangle_count; ++t) {
         pl_triangle tri = pl_surface_triangle(s, t);
         pl_vec sum = pl_vec_add(tri.corner[0], pl_vec_add(tri.corner[1], tri.corner[2]));
@@ -250,10 +238,9 @@ static bool build_tree(pl_surface *s, pl_arena *scratch)
         pl_vec_store(pl_vec_scale(sum, 1.0 / 3), items[t].centroid);
     }
     build_node(s, items, 0, s->triangle_count);
-    return true;
 }
 
-pl_status pl_surface_create(const pl_shape *shape, pl_arena *arena, const pl_surface **surface)
+const pl_surface *pl_surface_create(const pl_shape *shape, pl_arena *arena)
 {
     int box[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
@@ -261,7 +248,6 @@ pl_status pl_surface_create(const pl_shape *shape, pl_arena *arena, const pl_sur
     double ends[2][3] = {{0, 0, -shape->half_height}, {0, 0, shape->half_height}};
     double corners[8][3];
     pl_polyhedron source = {.vertices = corners, .vertex_count = 8};
-    *surface = NULL;
     switch (shape->kind) {
     case PL_SHAPE_BOX:
         for (int i = 0; i < 8; ++i) {
@@ -284,19 +270,17 @@ pl_status pl_surface_create(const pl_shape *shape, pl_arena *arena, const pl_sur
     case PL_SHAPE_PLANE:
     case PL_SHAPE_SPHERE:
     case PL_SHAPE_CYLINDER:
-        return PL_UNSUPPORTED;
+        return NULL;
     }
     pl_surface *s = pl_arena_take(arena, 1, sizeof *s);
-    if (s == NULL || !fill(s, arena, &source)) {
-        return PL_NO_MEMORY;
-    }
-    s->closed = shape->kind != PL_SHAPE_CAPSULE;
     pl_arena scratch = {0};
-    if (find_edges(s, &scratch) && find_parts(s, &scratch) && build_tree(s, &scratch)) {
-        *surface = s;
-    }
+    fill(s, arena, &source);
+    s->closed = shape->kind != PL_SHAPE_CAPSULE;
+    find_edges(s, &scratch);
+    find_parts(s, &scratch);
+    build_tree(s, &scratch);
     pl_arena_free(&scratch);
-    return *surface != NULL ? PL_OK : PL_NO_MEMORY;
+    return s;
 }
 
 /* ---- Queries ---- */

@@ -44,9 +44,8 @@ typedef struct pl_surface {
 } pl_surface;
 
 /* The surface of a box, a hull or a mesh, or of the core of a capsule, which is a triangle without
- * area that bounds no solid. It copies the shape's data into memory of the arena. *surface is NULL
- * on failure: PL_UNSUPPORTED for another shape, PL_NO_MEMORY. */
-pl_status pl_surface_create(const pl_shape *shape, pl_arena *arena, const pl_surface **surface);
+ * area that bounds no solid; NULL for another shape. It copies the shape's data into memory of the arena. */
+const pl_surface *pl_surface_create(const pl_shape *shape, pl_arena *arena);
 
 /* The nearest point of a surface to a query point. */
 typedef struct pl_surface_point {
@@ -91,9 +90,7 @@ typedef struct pl_piercing {
     double fraction; /* of the edge's length from its start, 0 .. 1 */
 } pl_piercing;
 
-/* All piercings, ordered by `of`, edge and fraction. *piercings is NULL if there are none; the
- * caller frees it. PL_NO_MEMORY. */
-pl_status pl_surface_pair_piercings(const pl_surface_pair *pair, pl_piercing **piercings,
-                                    int *count);
+/* All piercings, ordered by `of`, edge and fraction. NULL if there are none; the caller frees it. */
+pl_piercing *pl_surface_pair_piercings(const pl_surface_pair *pair, int *count);
 
 #endif

@@ -1,6 +1,6 @@
 /* Pairs of surfaces. Both trees are descended together: a pair of boxes that are too far apart is
  * left out with all its triangles; of any other pair the larger box is split. */
-#include "base/array.h"
+#include "base/heap.h"
 #include "surface.h"
 
 #include <stdlib.h>
@@ -12,7 +12,6 @@ typedef struct descent {
     bool piercings;
     pl_piercing *list;
     int count;
-    bool failed;
 } descent;
 
 /* A lower bound of the squared distance of two nodes, m^2: that of their boxes, where b's box is
@@ -54,8 +53,7 @@ static void pierce(descent *d, int of, int t, const pl_triangle *tri, int other,
                             tri->corner[forward ? (k + 1) % 3 : k]};
         pl_piercing piercing = {.of = of, .edge = edge, .triangle = other};
         if (pl_triangle_pierced(target, &along, &piercing.fraction)) {
-            d->failed |=
-                pl_array_push(&d->list, &d->count, &piercing, sizeof piercing, NULL) != PL_OK;
+            pl_push(&d->list, &d->count, &piercing, sizeof piercing);
         }
     }
 }
@@ -150,23 +148,15 @@ static int compare_piercings(const void *left, const void *right)
     return a->triangle - b->triangle;
 }
 
-pl_status pl_surface_pair_piercings(const pl_surface_pair *pair, pl_piercing **piercings,
-                                    int *count)
+pl_piercing *pl_surface_pair_piercings(const pl_surface_pair *pair, int *count)
 {
     descent d = {.pair = pair, .piercings = true};
-    *piercings = NULL;
-    *count = 0;
     if (boxes_square(&d, &pair->a->nodes[0], &pair->b->nodes[0]) <= 0) {
         descend(&d, 0, 0);
-    }
-    if (d.failed) {
-        free(d.list);
-        return PL_NO_MEMORY;
     }
     if (d.count > 0) {
         qsort(d.list, (size_t)d.count, sizeof *d.list, compare_piercings);
     }
-    *piercings = d.list;
     *count = d.count;
-    return PL_OK;
+    return d.list;
 }

@@ -15,10 +15,10 @@ static void *create(const pl_scene *scene, pl_arena *arena)
 {
     (void)scene;
     balance *b = pl_arena_take(arena, 1, sizeof *b);
-    for (int k = 0; b != NULL && k < PL_POSITION_RULE_COUNT; ++k) {
-        (void)pl_series_init(&b->energy[k], arena);
-        (void)pl_series_init(&b->step_gain[k], arena);
-        (void)pl_series_init(&b->momentum[k], arena);
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        pl_series_init(&b->energy[k], arena);
+        pl_series_init(&b->step_gain[k], arena);
+        pl_series_init(&b->momentum[k], arena);
     }
     return b;
 }

@@ -49,7 +49,6 @@ typedef struct contact_force {
     int capacity;   /* contacts */
     pl_series series[SERIES_COUNT];
     bool unreported; /* in some step the engine reported no contacts */
-    bool no_memory;  /* for the contacts of some step */
 } contact_force;
 
 enum { PIECE = 512 /* bodies, or contacts, that are judged together */ };
@@ -69,24 +68,19 @@ typedef struct touch {
 } touch;
 
 /* The memory of smaller arrays is the arena's until its end. */
-static bool reserve(contact_force *f, int count)
+static void reserve(contact_force *f, int count)
 {
     if (count <= f->capacity) {
-        return true;
+        return;
     }
-    const int capacity = 2 * f->capacity > count ? 2 * f->capacity : count;
-    f->slides = pl_arena_take(f->arena, (size_t)capacity, sizeof *f->slides);
-    f->most = pl_arena_take(f->arena, (size_t)capacity / PIECE + 1, sizeof *f->most);
-    f->capacity = f->slides != NULL && f->most != NULL ? capacity : 0;
-    return f->capacity > 0;
+    f->capacity = 2 * f->capacity > count ? 2 * f->capacity : count;
+    f->slides = pl_arena_take(f->arena, (size_t)f->capacity, sizeof *f->slides);
+    f->most = pl_arena_take(f->arena, (size_t)f->capacity / PIECE + 1, sizeof *f->most);
 }
 
 static void *create(const pl_scene *scene, pl_arena *arena)
 {
     contact_force *f = pl_arena_take(arena, 1, sizeof *f);
-    if (f == NULL) {
-        return NULL;
-    }
     f->scene = scene;
     f->arena = arena;
     f->gravity = pl_vec_length(pl_vec_of(scene->gravity));
@@ -96,10 +90,10 @@ static void *create(const pl_scene *scene, pl_arena *arena)
         f->excess[k] = pl_arena_take(arena, (size_t)scene->body_count, sizeof *f->excess[k]);
     }
     for (int i = 0; i < SERIES_COUNT; ++i) {
-        (void)pl_series_init(&f->series[i], arena);
+        pl_series_init(&f->series[i], arena);
     }
-    (void)reserve(f, LEAST_CONTACTS + CONTACTS_PER_BODY * scene->body_count);
-    return arena->failed ? NULL : f;
+    reserve(f, LEAST_CONTACTS + CONTACTS_PER_BODY * scene->body_count);
+    return f;
 }
 
 /* The larger of both; a NaN in `b` counts as infinite, so that it is not lost. */
@@ -360,15 +354,13 @@ static void see(void *state, const pl_run_view *view)
         return;
     }
     f->unreported = f->unreported || step->contact_count < 0;
-    if (f->unreported || f->no_memory) {
+    if (f->unreported) {
         return;
     }
     judging j = {f, step};
     if (!step->repeats) {
-        f->no_memory = !pl_contact_motion_step(f->motion, step) || !reserve(f, step->contact_count);
-    }
-    if (f->no_memory) {
-        return;
+        pl_contact_motion_step(f->motion, step);
+        reserve(f, step->contact_count);
     }
     pl_thread_pool_run(step->pool, f->scene->body_count, PIECE, see_bodies, &j);
     see_balance(f, step);
@@ -394,9 +386,6 @@ static void see(void *state, const pl_run_view *view)
 
 static pl_metric metric_of(const contact_force *f, const pl_series *series, double value)
 {
-    if (f->no_memory) {
-        return pl_metric_failed("no memory for the contacts of a step");
-    }
     bool applies = !f->unreported && series->count > 0;
     return applies ? pl_series_metric(series, value) : (pl_metric){0};
 }

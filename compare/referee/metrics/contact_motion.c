@@ -57,49 +57,40 @@ typedef struct track {
 /* ---- Memory ---- */
 
 /* The memory of smaller arrays is the arena's until its end. */
-static bool reserve_contacts(pl_contact_motion *m, int count)
+static void reserve_contacts(pl_contact_motion *m, int count)
 {
     if (count <= m->contact_capacity) {
-        return true;
+        return;
     }
-    const int doubled = 2 * m->contact_capacity, capacity = doubled > count ? doubled : count;
-    m->next = pl_arena_take(m->arena, 2 * (size_t)capacity, sizeof *m->next);
-    m->solve_of = pl_arena_take(m->arena, 2 * (size_t)capacity, sizeof *m->solve_of);
-    m->contact_capacity = m->next != NULL && m->solve_of != NULL ? capacity : 0;
-    return m->contact_capacity > 0;
+    const int doubled = 2 * m->contact_capacity;
+    m->contact_capacity = doubled > count ? doubled : count;
+    m->next = pl_arena_take(m->arena, 2 * (size_t)m->contact_capacity, sizeof *m->next);
+    m->solve_of = pl_arena_take(m->arena, 2 * (size_t)m->contact_capacity, sizeof *m->solve_of);
 }
 
-static bool reserve_solve(pl_contact_motion *m)
+static void reserve_solve(pl_contact_motion *m)
 {
     if (m->solve_count < m->solve_capacity) {
-        return true;
+        return;
     }
     const int capacity = 2 * m->solve_capacity + 1;
     solve *solves = pl_arena_take(m->arena, (size_t)capacity, sizeof *solves);
-    if (solves == NULL) {
-        return false;
-    }
     memcpy(solves, m->solves, (size_t)m->solve_count * sizeof *solves);
     m->solves = solves;
     m->solve_capacity = capacity;
-    return true;
 }
 
 pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *arena)
 {
     pl_contact_motion *m = pl_arena_take(arena, 1, sizeof *m);
-    if (m == NULL) {
-        return NULL;
-    }
     m->scene = scene;
     m->arena = arena;
     m->gravity = pl_vec_of(scene->gravity);
     m->solve_capacity = scene->body_count;
     m->bodies = pl_arena_take(arena, (size_t)scene->body_count, sizeof *m->bodies);
     m->solves = pl_arena_take(arena, (size_t)scene->body_count, sizeof *m->solves);
-    const bool has_room =
-        reserve_contacts(m, LEAST_CONTACTS + CONTACTS_PER_BODY * scene->body_count);
-    return m->bodies != NULL && m->solves != NULL && has_room ? m : NULL;
+    reserve_contacts(m, LEAST_CONTACTS + CONTACTS_PER_BODY * scene->body_count);
+    return m;
 }
 
 /* ---- Rotation ---- */
@@ -144,15 +135,13 @@ static void rotate_freely(pl_axes *axes, const double inertia[3], pl_vec momentu
 /* ---- The contacts of each body ---- */
 
 /* Adds a side to its body's solves: to the last one if that is of the same run. */
-static bool add_to_solve(pl_contact_motion *m, body_contacts *b, int side, int run)
+static void add_to_solve(pl_contact_motion *m, body_contacts *b, int side, int run)
 {
     if (b->first_solve != NONE && b->run == run) {
         m->solve_of[side] = b->last_solve;
-        return true;
+        return;
     }
-    if (!reserve_solve(m)) {
-        return false;
-    }
+    reserve_solve(m);
     const int added = m->solve_count++;
     m->solves[added].first = side;
     m->solves[added].next = NONE;
@@ -164,14 +153,13 @@ static bool add_to_solve(pl_contact_motion *m, body_contacts *b, int side, int r
     b->last_solve = added;
     b->run = run;
     m->solve_of[side] = added;
-    return true;
 }
 
-static bool add_side(pl_contact_motion *m, int body, int side, int run, bool has_times)
+static void add_side(pl_contact_motion *m, int body, int side, int run, bool has_times)
 {
     body_contacts *b = &m->bodies[body];
     if (m->scene->bodies[body].is_static) {
-        return true;
+        return;
     }
     m->next[side] = NONE;
     if (b->first_side == NONE) {
@@ -180,25 +168,26 @@ static bool add_side(pl_contact_motion *m, int body, int side, int run, bool has
         m->next[b->last_side] = side;
     }
     b->last_side = side;
-    return !has_times || add_to_solve(m, b, side, run);
+    if (has_times) {
+        add_to_solve(m, b, side, run);
+    }
 }
 
 /* Lists the sides and the solves of each body, in their order. */
-static bool list_sides(pl_contact_motion *m, const pl_step *step)
+static void list_sides(pl_contact_motion *m, const pl_step *step)
 {
-    bool added = reserve_contacts(m, step->contact_count);
     int run = 0;
+    reserve_contacts(m, step->contact_count);
     m->solve_count = 0;
     for (int i = 0; i < m->scene->body_count; ++i) {
         m->bodies[i].first_side = m->bodies[i].first_solve = NONE;
     }
-    for (int i = 0; i < step->contact_count && added; ++i) {
+    for (int i = 0; i < step->contact_count; ++i) {
         const bool has_times = step->times != NULL;
         run += has_times && i > 0 && step->times[i].order != step->times[i - 1].order;
-        added = add_side(m, step->contacts[i].body_a, 2 * i, run, has_times) &&
-                add_side(m, step->contacts[i].body_b, 2 * i + 1, run, has_times);
+        add_side(m, step->contacts[i].body_a, 2 * i, run, has_times);
+        add_side(m, step->contacts[i].body_b, 2 * i + 1, run, has_times);
     }
-    return added;
 }
 
 /* The impulse of a side on its body, N s. */
@@ -293,16 +282,13 @@ static void follow_bodies(void *context, int begin, int end)
     }
 }
 
-bool pl_contact_motion_step(pl_contact_motion *m, const pl_step *step)
+void pl_contact_motion_step(pl_contact_motion *m, const pl_step *step)
 {
-    if (!list_sides(m, step)) {
-        return false;
-    }
+    list_sides(m, step);
     if (step->times != NULL) {
         pl_thread_pool_run(step->pool, m->scene->body_count, PIECE, follow_bodies,
                            &(work){m, step});
     }
-    return true;
 }
 
 /* ---- A contact ---- */

@@ -20,13 +20,12 @@
 /* Memory for one step of all bodies. */
 typedef struct pl_contact_motion pl_contact_motion;
 
-/* `scene` and `arena` must outlive it. Memory of the arena; NULL when out of memory. */
+/* `scene` and `arena` must outlive it. Memory of the arena. */
 pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *arena);
 
 /* Takes a step whose contacts are reported, and follows its bodies where the contacts have times.
- * The functions below are about that step; several threads may call them. False when out of memory
- * for so many contacts. */
-bool pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step);
+ * The functions below are about that step; several threads may call them. */
+void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step);
 
 /* `sum` and the impulses of all contacts on a body that is not static, in their order, N s. */
 pl_vec pl_contact_motion_add_impulses(const pl_contact_motion *motion, const pl_step *step,

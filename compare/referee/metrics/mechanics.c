@@ -173,9 +173,6 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
 {
     size_t count = (size_t)scene->body_count;
     pl_mechanics *m = pl_arena_take(arena, 1, sizeof *m);
-    if (m == NULL) {
-        return NULL;
-    }
     m->scene = scene;
     m->origin = pl_arena_take(arena, count, sizeof *m->origin);
     m->turned = pl_arena_take(arena, count, sizeof *m->turned);
@@ -188,7 +185,7 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
         m->energy[k] = pl_arena_take(arena, count, sizeof *m->energy[k]);
         m->growth[k] = pl_arena_take(arena, count, sizeof *m->growth[k]);
     }
-    return arena->failed ? NULL : m;
+    return m;
 }
 
 static pl_vec centre_of(const pl_mechanics *m, const pl_body_state *bodies, int body)

@@ -28,7 +28,7 @@ pl_vec pl_applied_force_impulse(const pl_force *force, pl_position_rule integrat
 /* The energy and momentum of a run so far. */
 typedef struct pl_mechanics pl_mechanics;
 
-/* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
+/* `scene` must outlive it. Memory of the arena. */
 pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena);
 
 /* Sets what the engine declares; {0} unless this is called, before pl_mechanics_start. */

@@ -22,7 +22,7 @@ typedef struct pl_run_view {
 
 /* A module. `state` is what its create returned. */
 typedef struct pl_module {
-    /* Makes the state, in memory of the arena; NULL when out of memory. The scene outlives the state. A
+    /* Makes the state, in memory of the arena. The scene outlives the state. A
      * module without a state has NULL here. */
     void *(*create)(const pl_scene *scene, pl_arena *arena);
     /* Takes the start, and the frame after each step. A module that reads the end alone has NULL here. */

@@ -158,9 +158,6 @@ static void follow_all(motion *m, bool *seen)
 static void *create(const pl_scene *scene, pl_arena *arena)
 {
     motion *m = pl_arena_take(arena, 1, sizeof *m);
-    if (m == NULL) {
-        return NULL;
-    }
     for (int i = 0; i < scene->body_count; ++i) {
         m->dynamic_count += !scene->bodies[i].is_static;
     }
@@ -175,11 +172,8 @@ static void *create(const pl_scene *scene, pl_arena *arena)
     m->start = pl_arena_take(arena, dynamic, sizeof *m->start);
     m->last = pl_arena_take(arena, dynamic, sizeof *m->last);
     m->run_out = pl_arena_take(arena, dynamic, sizeof *m->run_out);
-    (void)pl_series_init(&m->lift, arena);
-    (void)pl_series_init(&m->deviation, arena);
-    if (arena->failed) {
-        return NULL;
-    }
+    pl_series_init(&m->lift, arena);
+    pl_series_init(&m->deviation, arena);
     /* The small number keeps a whole number of steps from being rounded up. */
     m->hold = (long)ceil(HOLD / scene->dt - 1e-6);
     m->quiet_since = -1;

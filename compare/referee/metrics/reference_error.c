@@ -65,9 +65,6 @@ pl_values *pl_values_create(const pl_scene *scene, pl_arena *arena)
     pl_values *v = pl_arena_take(arena, 1, sizeof *v);
     reading *items = pl_arena_take(arena, (size_t)scene->value_count, sizeof *items);
     blur *travels = pl_arena_take(arena, (size_t)scene->travel_count, sizeof *travels);
-    if (arena->failed) {
-        return NULL;
-    }
     *v = (pl_values){.scene = scene, .items = items, .travels = travels};
     for (int i = 0; i < scene->value_count; ++i) {
         items[i].expected = &scene->values[i];

@@ -11,7 +11,7 @@
 /* The values that the scene expects, as the frames show them. */
 typedef struct pl_values pl_values;
 
-/* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
+/* `scene` must outlive it. Memory of the arena. */
 pl_values *pl_values_create(const pl_scene *scene, pl_arena *arena);
 
 /* Sets what the engine declares; {0} unless this is called, before the first state. */

@@ -15,23 +15,19 @@ struct pl_repeated_steps {
 pl_repeated_steps *pl_repeated_steps_create(const pl_scene *scene, pl_arena *arena)
 {
     pl_repeated_steps *r = pl_arena_take(arena, 1, sizeof *r);
-    if (r != NULL) {
-        *r = (pl_repeated_steps){.scene = scene, .arena = arena};
-    }
+    *r = (pl_repeated_steps){.scene = scene, .arena = arena};
     return r;
 }
 
 /* The memory of smaller arrays is the arena's until its end. */
-static bool reserve(pl_repeated_steps *r, int count)
+static void reserve(pl_repeated_steps *r, int count)
 {
     if (count <= r->capacity) {
-        return true;
+        return;
     }
-    const int capacity = 2 * r->capacity > count ? 2 * r->capacity : count;
-    r->contacts = pl_arena_take(r->arena, (size_t)capacity, sizeof *r->contacts);
-    r->times = pl_arena_take(r->arena, (size_t)capacity, sizeof *r->times);
-    r->capacity = r->contacts != NULL && r->times != NULL ? capacity : 0;
-    return r->capacity > 0;
+    r->capacity = 2 * r->capacity > count ? 2 * r->capacity : count;
+    r->contacts = pl_arena_take(r->arena, (size_t)r->capacity, sizeof *r->contacts);
+    r->times = pl_arena_take(r->arena, (size_t)r->capacity, sizeof *r->times);
 }
 
 static bool same_place(const pl_contact_place *a, const pl_contact_place *b)
@@ -63,19 +59,17 @@ static bool same_contacts(const pl_repeated_steps *r, const pl_step *step)
              (!r->has_times || same_times(step->times, r->times, count))));
 }
 
-/* Without the memory for a copy, no later step repeats this one. */
 static void keep(pl_repeated_steps *r, const pl_step *step)
 {
     const int count = step->contact_count;
     r->count = count;
     r->has_times = step->times != NULL;
-    if (count > 0 && reserve(r, count)) {
+    if (count > 0) {
+        reserve(r, count);
         memcpy(r->contacts, step->contacts, (size_t)count * sizeof *r->contacts);
         if (r->has_times) {
             memcpy(r->times, step->times, (size_t)count * sizeof *r->times);
         }
-    } else if (count > 0) {
-        r->stood = false;
     }
 }
 

@@ -8,7 +8,7 @@
 /* A copy of the last step. */
 typedef struct pl_repeated_steps pl_repeated_steps;
 
-/* `scene` and `arena` must outlive it. Memory of the arena; NULL when out of memory. */
+/* `scene` and `arena` must outlive it. Memory of the arena. */
 pl_repeated_steps *pl_repeated_steps_create(const pl_scene *scene, pl_arena *arena);
 
 /* Takes a step, whose contacts may be unreported. Returns whether its states, contacts and times are

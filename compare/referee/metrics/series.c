@@ -27,10 +27,9 @@ static int bin_of(double value)
     return index < PL_SERIES_BINS - 1 ? (int)index : PL_SERIES_BINS - 1;
 }
 
-bool pl_series_init(pl_series *series, pl_arena *arena)
+void pl_series_init(pl_series *series, pl_arena *arena)
 {
     *series = (pl_series){.bins = pl_arena_take(arena, PL_SERIES_BINS, sizeof *series->bins)};
-    return series->bins != NULL;
 }
 
 void pl_series_add(pl_series *series, double value, long step)

@@ -29,8 +29,8 @@ typedef struct pl_series {
 
 enum { PL_SERIES_BINS = 128 * 128 + 2 }; /* 128 octaves, and the two outer bins */
 
-/* Makes an empty series, with its bins from the arena. False when out of memory. */
-bool pl_series_init(pl_series *series, pl_arena *arena);
+/* Makes an empty series, with its bins from the arena. */
+void pl_series_init(pl_series *series, pl_arena *arena);
 
 /* Adds `value` >= 0, which may be infinite, seen at `step`. A NaN means "not reported" and is not
  * added. */

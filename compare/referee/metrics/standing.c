@@ -32,16 +32,10 @@ pl_standing *pl_standing_create(const pl_scene *scene, pl_arena *arena)
     /* A scene without an expected rest is never judged. */
     const size_t count = scene->rest_count > 0 ? (size_t)scene->body_count : 0;
     pl_standing *s = pl_arena_take(arena, 1, sizeof *s);
-    if (s == NULL) {
-        return NULL;
-    }
     *s = (pl_standing){.scene = scene,
                        .rest = pl_arena_take(arena, count, sizeof *s->rest),
                        .has_neighbour = pl_arena_take(arena, count, sizeof *s->has_neighbour),
                        .shift = pl_arena_take(arena, count, sizeof *s->shift)};
-    if (arena->failed) {
-        return NULL;
-    }
     for (size_t i = 0; i < count; ++i) {
         const pl_body *body = &scene->bodies[i];
         memcpy(s->rest[i].position, body->position, sizeof body->position);

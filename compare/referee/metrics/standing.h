@@ -9,7 +9,7 @@
 /* Memory for the judgement of one scene. */
 typedef struct pl_standing pl_standing;
 
-/* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
+/* `scene` must outlive it. Memory of the arena. */
 pl_standing *pl_standing_create(const pl_scene *scene, pl_arena *arena);
 
 /* Judges the last frame of a run, `last`, (scene->body_count). `pairs` are those of the scene.

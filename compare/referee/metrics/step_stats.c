@@ -12,8 +12,8 @@ static void *create(const pl_scene *scene, pl_arena *arena)
 {
     (void)scene;
     step_stats *s = pl_arena_take(arena, 1, sizeof *s);
-    for (int i = 0; s != NULL && i < SERIES_COUNT; ++i) {
-        (void)pl_series_init(&s->series[i], arena);
+    for (int i = 0; i < SERIES_COUNT; ++i) {
+        pl_series_init(&s->series[i], arena);
     }
     return s;
 }

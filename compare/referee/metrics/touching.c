@@ -39,9 +39,7 @@ pl_touching *pl_touching_create(const pl_scene *scene, pl_arena *arena)
 {
     size_t count = (size_t)scene->body_count;
     pl_touching *t = pl_arena_take(arena, 1, sizeof *t);
-    if (t == NULL || !pl_series_init(&t->depth, arena)) {
-        return NULL;
-    }
+    pl_series_init(&t->depth, arena);
     t->scene = scene;
     t->rest_from = pl_scene_steps(scene) - lround(1 / scene->dt) + 1;
     t->unknown_step = -1;
@@ -52,9 +50,6 @@ pl_touching *pl_touching_create(const pl_scene *scene, pl_arena *arena)
     t->last_met = pl_arena_take(arena, count, sizeof *t->last_met);
     t->depths = pl_arena_take(arena, count, sizeof *t->depths);
     t->last_depths = pl_arena_take(arena, count, sizeof *t->last_depths);
-    if (arena->failed) {
-        return NULL;
-    }
     separate(t->now, scene->body_count);
     return t;
 }

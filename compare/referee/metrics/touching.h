@@ -13,7 +13,7 @@
 /* The state of these metrics over a run. */
 typedef struct pl_touching pl_touching;
 
-/* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
+/* `scene` must outlive it. Memory of the arena. */
 pl_touching *pl_touching_create(const pl_scene *scene, pl_arena *arena);
 
 /* Begins the frame after step number `step`. Step 0 (the start) has no penetration. */

@@ -36,20 +36,14 @@ static void *create(const pl_scene *scene, pl_arena *arena)
 {
     const size_t count = (size_t)scene->body_count;
     unexplained *m = pl_arena_take(arena, 1, sizeof *m);
-    if (m == NULL) {
-        return NULL;
-    }
     *m = (unexplained){.scene = scene,
                        .radius = pl_arena_take(arena, count, sizeof *m->radius),
                        .acceleration = pl_arena_take(arena, count, sizeof *m->acceleration),
                        .speed = pl_arena_take(arena, count, sizeof *m->speed),
                        .depth = pl_arena_take(arena, count, sizeof *m->depth),
                        .energy = pl_arena_take(arena, count, sizeof *m->energy)};
-    (void)pl_series_init(&m->motion, arena);
-    (void)pl_series_init(&m->free_flight, arena);
-    if (arena->failed) {
-        return NULL;
-    }
+    pl_series_init(&m->motion, arena);
+    pl_series_init(&m->free_flight, arena);
     for (int i = 0; i < scene->material_count; ++i) {
         m->rebounds = m->rebounds || scene->materials[i].restitution > 0;
     }
