@@ -301,13 +301,13 @@ def write_speed():
         reach that error, whose number is in brackets. Times in WebAssembly are left out.""")
     rows = []
     for pair in sweep["pairs"]:
-        if ":" in names[pair["other"]] or ":" in names[pair["ours"]]:
+        if ":" in names[pair["second"]] or ":" in names[pair["first"]]:
             continue
         means = [(level["mean_speed"] or {}).get("value") for level in pair["levels"]]
         texts = [
             "–" if mean is None else f"{mean:.3g} ({level['both']})" for mean, level in zip(means, pair["levels"])
         ]
-        rows.append([names[pair["other"]], *texts])
+        rows.append([names[pair["second"]], *texts])
     table(["engine", *(f"error {level['level']:.0e}" for level in sweep["pairs"][0]["levels"])], rows)
     engines = " ".join(f"--engine {engine['speed']}" for engine in ENGINES.values() if "speed" in engine)
     paragraph(f"""`plumb sweep tower slope-slide slope-tip rocket {engines} --cpu-limit 20 --timeout 90 --jobs 2

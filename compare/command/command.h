@@ -69,7 +69,7 @@ typedef struct pl_listed_option {
     const char *help;
 } pl_listed_option;
 
-enum { PL_SHARED_OPTIONS = 6 };
+enum { PL_SHARED_OPTIONS = 7 };
 
 /* How a command was called. */
 typedef struct pl_call {

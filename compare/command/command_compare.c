@@ -52,7 +52,8 @@ static pl_status deliver(const options *o, const json_t *all, json_t *results,
     const char *const folders[] = {o->request.out};
     char *path = pl_heap_format("%s/results.jsonl", o->request.out);
     const pl_result_file file = {.path = path, .results = all};
-    const pl_result_table_def table_def = {.files = &file, .file_count = 1, .home = "plumb"};
+    const pl_result_table_def table_def = {
+        .files = &file, .file_count = 1, .home = o->request.home};
     pl_result_table table;
     const pl_report_def def = {.directory = o->request.out,
                                .results = &table,
@@ -303,5 +304,5 @@ const pl_command pl_command_compare = {
              "  plumb compare ./mine.json --engine ./mine.so:fast --json - | jq .",
     .options = OPTIONS,
     .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,
-               pl_jobs_options, pl_out_options},
+               pl_home_options, pl_jobs_options, pl_out_options},
     .run = run};

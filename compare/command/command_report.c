@@ -98,13 +98,13 @@ static bool is_sweep(const pl_sweep_analysis *analysis)
     return false;
 }
 
-static pl_status build_table(const pl_merge *merge, bool has_changes, pl_result_table *results,
-                             pl_error *error)
+static pl_status build_table(const pl_request *request, const pl_merge *merge, bool has_changes,
+                             pl_result_table *results, pl_error *error)
 {
     const pl_result_table_def def = {.files = merge->sources,
                                      .file_count = merge->source_count,
                                      .has_changes = has_changes,
-                                     .home = "plumb"};
+                                     .home = request->home};
     return pl_result_table_build(&def, results, error);
 }
 
@@ -113,7 +113,7 @@ static pl_status analyse(const pl_request *request, const pl_merge *merge, pl_er
 {
     pl_result_table results;
     pl_sweep_analysis analysis = {.results = NULL};
-    pl_status status = build_table(merge, true, &results, error);
+    pl_status status = build_table(request, merge, true, &results, error);
     if (status == PL_OK) {
         pl_sweep_analyse(&results, &analysis);
     }
@@ -148,7 +148,7 @@ static pl_status write_report(const options *o, const pl_merge *merge, pl_error 
 {
     const pl_request *request = &o->request;
     pl_result_table results;
-    pl_status status = build_table(merge, false, &results, error);
+    pl_status status = build_table(request, merge, false, &results, error);
     json_t *reference = find_reference(request);
     const pl_report_def def = {.directory = request->out,
                                .only = o->format == NULL ? NULL : o->format->file,
@@ -401,6 +401,6 @@ const pl_command pl_command_report = {
              "  plumb report report --figure tower:t=2.5 --format pdf --out pictures\n"
              "  plumb report threshold.json --out thresholds",
     .options = OPTIONS,
-    .shared = {pl_file_options, pl_force_options},
+    .shared = {pl_home_options, pl_file_options, pl_force_options},
     .check = check,
     .run = run};

@@ -113,7 +113,7 @@ static pl_status analyse(const options *o, const pl_merge *merge, pl_error *erro
     const pl_result_table_def def = {.files = merge->sources,
                                      .file_count = merge->source_count,
                                      .has_changes = true,
-                                     .home = "plumb"};
+                                     .home = o->request.home};
     pl_result_table results;
     pl_sweep_analysis analysis = {.results = NULL};
     pl_status status = pl_result_table_build(&def, &results, error);
@@ -399,6 +399,6 @@ const pl_command pl_command_sweep = {
         "  plumb report sweep --out report",
     .options = OPTIONS,
     .shared = {pl_scene_options, pl_file_options, pl_limit_options, pl_comparison_options,
-               pl_jobs_options, pl_out_options},
+               pl_home_options, pl_jobs_options, pl_out_options},
     .check = check,
     .run = run};

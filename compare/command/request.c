@@ -147,6 +147,13 @@ const pl_option pl_comparison_options[] = {
      PL_OPTION_TEXT, .field = offsetof(pl_request, json)},
     {0}};
 
+const pl_option pl_home_options[] = {
+    {"home", "SPEC",
+     "The engine that the report speaks for: where it is worse than others comes first. A label, "
+     "ENGINE:PROFILE or ENGINE (default: none, all engines are peers)",
+     PL_OPTION_TEXT, .field = offsetof(pl_request, home)},
+    {0}};
+
 const pl_option pl_jobs_options[] = {
     {"jobs", "N",
      "Runs at a time, as long as their engines have no more threads than there are CPUs (default "

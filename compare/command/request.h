@@ -21,6 +21,7 @@ typedef struct pl_request {
     pl_limits limits; /* --timeout, --cpu-limit, --memory */
     const char *json; /* --json; NULL: none */
     const char *out;  /* --out */
+    const char *home; /* --home; NULL: none */
     int jobs;         /* --jobs */
     bool resume;      /* --resume */
     bool force;       /* --force; not both */
@@ -40,6 +41,8 @@ extern const pl_option pl_file_options[];
 extern const pl_option pl_limit_options[];
 /* --suite, --engine, --with, --json */
 extern const pl_option pl_comparison_options[];
+/* --home: of commands that report */
+extern const pl_option pl_home_options[];
 /* --jobs */
 extern const pl_option pl_jobs_options[];
 /* --out, --resume, --force: of a folder of results */

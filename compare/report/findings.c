@@ -43,10 +43,10 @@ static void write_statements(const pl_result_table *results, pl_engine_findings 
         }
         pl_text_add(&findings->statement, ".");
     }
-    if (findings->our_runs > 0) {
-        write_count(results, true, findings->our_count, findings->our_runs,
-                    &findings->our_statement);
-        pl_text_add(&findings->our_statement, ".");
+    if (findings->home_runs > 0) {
+        write_count(results, true, findings->home_count, findings->home_runs,
+                    &findings->home_statement);
+        pl_text_add(&findings->home_statement, ".");
     }
 }
 
@@ -78,12 +78,12 @@ static void note_run(const pl_result_table *results, const pl_result_cell *cell,
         .cell = cell,
         .cause = pl_known_cause_find(&findings->causes, cell->worst->result)};
     const bool is_home = finding.configuration->is_home;
-    *(is_home ? &findings->our_runs : &findings->runs) += is_counted(cell);
+    *(is_home ? &findings->home_runs : &findings->runs) += is_counted(cell);
     if (!is_counted(cell) || cell->worst->verdict == PL_VERDICT_ACCURATE) {
         return;
     }
     if (is_home) {
-        pl_push(&findings->ours, &findings->our_count, &finding, sizeof finding);
+        pl_push(&findings->home, &findings->home_count, &finding, sizeof finding);
     } else {
         pl_push(&findings->items, &findings->count, &finding, sizeof finding);
     }
@@ -108,9 +108,9 @@ void pl_engine_findings_free(pl_engine_findings *findings)
 {
     pl_known_causes_free(&findings->causes);
     free(findings->items);
-    free(findings->ours);
+    free(findings->home);
     pl_text_free(&findings->statement);
-    pl_text_free(&findings->our_statement);
+    pl_text_free(&findings->home_statement);
     pl_text_free(&findings->adapters);
     pl_text_free(&findings->read_back);
     pl_text_free(&findings->origin);

@@ -16,13 +16,14 @@ typedef struct pl_engine_finding {
 
 /* All findings of a report. */
 typedef struct pl_engine_findings {
-    pl_engine_finding *items; /* of other engines, case by case, in the order of the report */
+    pl_engine_finding *
+        items; /* of engines other than the home engine, case by case, in the order of the report */
     int count;
-    int runs;                 /* of other engines that were judged, or have no value */
+    int runs;                 /* of them that were judged, or have no value */
     pl_text_buffer statement; /* in words: how many of how many, and how many causes are known */
-    pl_engine_finding *ours;  /* the same of our own engine */
-    int our_count, our_runs;
-    pl_text_buffer our_statement;
+    pl_engine_finding *home;  /* the same of the home engine */
+    int home_count, home_runs;
+    pl_text_buffer home_statement;
     /* In words, of the engines in `items`; empty without any. */
     pl_text_buffer adapters;  /* whether their conformance was verified */
     pl_text_buffer read_back; /* what was read back from them */

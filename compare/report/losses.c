@@ -1,6 +1,6 @@
-/* Finds where our engine is worse than the best other one.
+/* Finds where the home engine is worse than the best other one.
  *
- * Each of our runs is compared with the other engines' runs of the same case whose outcome is ok,
+ * Each of its runs is compared with the other engines' runs of the same case whose outcome is ok,
  * metric by metric. The best of them may be a different one for each metric, which is the hardest
  * test. */
 #include "losses.h"
@@ -24,7 +24,7 @@
 static const double value_floor = 1e-9, relative_noise = 0.1;
 
 /* Of two values below this (SI) the ratio means nothing: such a value is the residual that a solver
- * ended with, as ours at a tolerance of 1e-8 m/s, or rounding. */
+ * ended with, such as 1e-8 m/s, or rounding. */
 static const double near_rounding_level = 1e-7;
 
 static double floor_of(const pl_result_row *row, int metric)
@@ -216,18 +216,20 @@ static void write_statement(const pl_losses *losses, const pl_result_table *resu
         return;
     }
     if (losses->comparisons == 0) {
-        pl_text_add(text, "Nothing was compared: there is no case that plumb was run on and that "
-                          "another engine ended with outcome ok.");
+        pl_text_format(text,
+                       "Nothing was compared: there is no case that %s was run on and that "
+                       "another engine ended with outcome ok.",
+                       results->home);
         return;
     }
     if (losses->count == 0) {
         pl_text_format(text,
-                       "No losses: in none of %d comparisons is plumb worse than the best other "
+                       "No losses: in none of %d comparisons is %s worse than the best other "
                        "engine",
-                       losses->comparisons);
+                       losses->comparisons, results->home);
     } else {
-        pl_text_format(text, "plumb is worse than the best other engine in %d of %d comparisons",
-                       losses->count, losses->comparisons);
+        pl_text_format(text, "%s is worse than the best other engine in %d of %d comparisons",
+                       results->home, losses->count, losses->comparisons);
     }
     pl_text_format(text, ", over %d %s: ", losses->cases, losses->cases == 1 ? "case" : "cases");
     pl_add_engine_names(results, true, text);
@@ -259,7 +261,8 @@ static void write_rule(pl_text_buffer *text)
         "about 1e-10; one time step for settle_time, which is not known more closely; 256 KiB for "
         "memory_peak, since memory is counted in pages and taken ahead of need. Times and memory "
         "within 10 %, and memory within 256 KiB, are equal; both are compared only on one machine. "
-        "A failed run of ours counts once. Failed runs come first, then the primary error and the "
+        "A failed run of the home engine counts once. Failed runs come first, then the primary "
+        "error and the "
         "time of a step, then other metrics, each by the ratio; last those of which both values "
         "are "
         "below 1e-7, near rounding and the tolerances of solvers.");
@@ -269,7 +272,6 @@ void pl_losses_find(const pl_result_table *results, pl_losses *losses)
 {
     *losses = (pl_losses){0};
     for (int i = 0; i < results->configuration_count; ++i) {
-        losses->home_present |= results->configurations[i].is_home;
         losses->others_present |= !results->configurations[i].is_home;
     }
     for (int i = 0; i < results->case_count; ++i) {
@@ -278,7 +280,9 @@ void pl_losses_find(const pl_result_table *results, pl_losses *losses)
     if (losses->count > 0) {
         qsort(losses->items, (size_t)losses->count, sizeof *losses->items, compare_losses);
     }
-    write_statement(losses, results, &losses->statement);
+    if (results->home != NULL) {
+        write_statement(losses, results, &losses->statement);
+    }
     write_rule(&losses->rule);
 }
 

@@ -1,5 +1,4 @@
-/* Losses: where our engine is worse than another. Every report that has runs of it begins with
- * them. */
+/* Losses: where the home engine is worse than another. A report for a home engine begins with them. */
 #ifndef PLUMB_LOSSES_H
 #define PLUMB_LOSSES_H
 
@@ -8,9 +7,9 @@
 
 /* The kinds of loss. */
 typedef enum pl_loss_kind {
-    PL_LOSS_OUTCOME,  /* ours failed, another did not */
-    PL_LOSS_NO_VALUE, /* ours has no value where another has one */
-    PL_LOSS_VALUE     /* ours is larger */
+    PL_LOSS_OUTCOME,  /* the home engine failed, another did not */
+    PL_LOSS_NO_VALUE, /* the home engine has no value, another has one */
+    PL_LOSS_VALUE     /* that of the home engine is larger */
 } pl_loss_kind;
 
 /* One loss. */
@@ -29,9 +28,9 @@ typedef struct pl_losses {
     pl_loss *items; /* failures; the primary error and the time of a step; other metrics; values
                        near rounding; in each a missing value first, then by falling ratio */
     int count;
-    int comparisons; /* pairs of our run and a metric that were compared with another engine */
-    int cases;       /* with both a run of ours and an ok run of another engine */
-    bool home_present, others_present;
+    int comparisons; /* pairs of its run and a metric that were compared with another engine */
+    int cases;       /* with both a run of it and an ok run of another engine */
+    bool others_present;
     pl_text_buffer statement; /* in words: how many losses in how many comparisons */
     pl_text_buffer rule;      /* in words: which metrics count, and which differences do not */
 } pl_losses;

@@ -117,7 +117,7 @@ static json_t *engines_json(const pl_report *report)
         json_object_set_new(object, "threads", json_integer(configuration->threads));
         set_buffer(object, "settings", &settings);
         set_buffer(object, "conformance", &known);
-        json_object_set_new(object, "ours", json_boolean(configuration->is_home));
+        json_object_set_new(object, "home", json_boolean(configuration->is_home));
         for (int k = 0; k < report->verdicts.count; ++k) {
             const pl_verdict_count *count = &report->verdicts.items[k];
             if (count->configuration == configuration) {
@@ -151,13 +151,13 @@ static json_t *losses_json(const pl_report *report)
                                               metric, text_or_null(loss->home->name), home,
                                               text_or_null(loss->best->name), best, ratio));
     }
-    return json_pack("{s:b, s:o, s:o, s:o}", "ours", (int)losses->home_present, "statement",
-                     text_or_null(losses->statement.data), "rule", text_or_null(losses->rule.data),
-                     "rows", rows);
+    return json_pack("{s:o, s:o, s:o, s:o}", "home", text_or_null(report->results->home),
+                     "statement", text_or_null(losses->statement.data), "rule",
+                     text_or_null(losses->rule.data), "rows", rows);
 }
 
 static json_t *finding_rows(const pl_report *report, const pl_engine_finding *items, int count,
-                            bool ours)
+                            bool is_home)
 {
     json_t *rows = json_array();
     for (int i = 0; i < count; ++i) {
@@ -165,10 +165,11 @@ static json_t *finding_rows(const pl_report *report, const pl_engine_finding *it
         const char *cause = NULL, *evidence = NULL;
         pl_engine_finding_texts(&items[i], error, &cause, &evidence);
         json_array_append_new(
-            rows, json_pack("[i, o, o, o, o]", (int)(items[i].test_case - report->results->cases),
-                            text_or_null(items[i].configuration->name), text_or_null(error),
-                            text_or_null(ours ? pl_cell_why(items[i].cell) : cause),
-                            text_or_null(ours ? "" : evidence)));
+            rows,
+            json_pack("[i, o, o, o, o, o]", (int)(items[i].test_case - report->results->cases),
+                      text_or_null(items[i].configuration->name), text_or_null(error),
+                      text_or_null(is_home ? pl_cell_why(items[i].cell) : ""), text_or_null(cause),
+                      text_or_null(evidence)));
     }
     return rows;
 }
@@ -183,13 +184,13 @@ static json_t *findings_json(const pl_report *report)
         set_text(object, "read_back", findings->read_back.data);
         set_text(object, "origin", findings->origin.data);
     }
-    if (findings->our_runs > 0) {
-        set_text(object, "our_statement", findings->our_statement.data);
+    if (findings->home_runs > 0) {
+        set_text(object, "home_statement", findings->home_statement.data);
     }
     json_object_set_new(object, "rows",
                         finding_rows(report, findings->items, findings->count, false));
-    json_object_set_new(object, "our_rows",
-                        finding_rows(report, findings->ours, findings->our_count, true));
+    json_object_set_new(object, "home_rows",
+                        finding_rows(report, findings->home, findings->home_count, true));
     return object;
 }
 

@@ -35,7 +35,7 @@ void pl_report_runs_csv(const pl_result_table *results, pl_text_buffer *out);
 void pl_report_csv(const pl_result_table *results, pl_text_buffer *out);
 
 /* Prints the same results as a UTF-8 table that fits `width` columns (at least 40): first where
- * plumb loses, then each case with a line for each engine, findings with their causes, and, of more
+ * the home engine loses, then each case with a line for each engine, findings with their causes, and, of more
  * than one case, how many verdicts of each kind every engine has.
  * `colour` allows ANSI colours. Control characters are shown as '?', so that no output of an engine
  * can control the terminal. */

@@ -1,12 +1,14 @@
 #include "summary.h"
 
 #include "adapter_trust.h"
+#include "base/heap.h"
 #include "base/number_format.h"
 #include "cell_verdict.h"
 #include "results/result.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { SHOWN_LOSSES = 20 };
@@ -123,34 +125,36 @@ static void add_verdicts(const pl_verdict_counts *verdicts, pl_text_buffer *out)
 
 /* ---- Losses and warnings ---- */
 
-static void add_losses(const pl_losses *losses, pl_text_buffer *out)
+static void add_losses(const char *home, const pl_losses *losses, pl_text_buffer *out)
 {
-    if (!losses->home_present) {
+    if (home == NULL) {
         return;
     }
     pl_table table = {0};
-    pl_table_columns(&table, "Case|Metric|Ours|>value|Best other|>value|>Ratio");
+    pl_table_columns(&table, "Case|Metric|Home|>value|Best other|>value|>Ratio");
     for (int i = 0; i < losses->count; ++i) {
         const pl_loss *loss = &losses->items[i];
-        char metric[PL_LOSS_TEXT_SIZE], home[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
+        char metric[PL_LOSS_TEXT_SIZE], own[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
         char ratio[PL_LOSS_TEXT_SIZE];
-        pl_loss_texts(loss, metric, home, best, ratio);
+        pl_loss_texts(loss, metric, own, best, ratio);
         pl_table_add(&table, loss->test_case->name);
         pl_table_add(&table, metric);
         pl_table_add(&table, loss->home->name);
-        pl_table_add(&table, home);
+        pl_table_add(&table, own);
         pl_table_add(&table, loss->best->name);
         pl_table_add(&table, best);
         pl_table_add(&table, ratio);
     }
-    add_heading(out, "Where plumb loses");
+    char *heading = pl_heap_format("Where %s loses", home);
+    add_heading(out, heading);
+    free(heading);
     add_paragraph(out, losses->statement.data);
     add_table(out, table, SHOWN_LOSSES);
     add_note(out, losses->rule.data);
 }
 
-/* Adds a run that is not accurate: why, of our own engine; of another the cause, and its evidence. */
-static void add_finding(const pl_engine_finding *finding, bool ours, pl_table *table)
+/* Adds a run that is not accurate: of the home engine also why. */
+static void add_finding(const pl_engine_finding *finding, bool is_home, pl_table *table)
 {
     char error[PL_FINDING_TEXT_SIZE];
     const char *cause = NULL, *evidence = NULL;
@@ -158,24 +162,26 @@ static void add_finding(const pl_engine_finding *finding, bool ours, pl_table *t
     pl_table_add(table, finding->test_case->name);
     pl_table_add(table, finding->configuration->name);
     pl_table_add(table, error);
-    pl_table_add(table, ours ? pl_cell_why(finding->cell) : cause);
-    if (!ours) {
-        pl_table_add(table, evidence);
+    if (is_home) {
+        pl_table_add(table, pl_cell_why(finding->cell));
     }
+    pl_table_add(table, cause);
+    pl_table_add(table, evidence);
 }
 
-/* Adds the runs of our own engine that are not accurate. */
-static void add_our_findings(const pl_engine_findings *findings, pl_text_buffer *out)
+/* Adds the runs of the home engine that are not accurate. */
+static void add_home_findings(const pl_engine_findings *findings, pl_text_buffer *out)
 {
     pl_table table = {0};
-    if (findings->our_runs == 0) {
+    if (findings->home_runs == 0) {
         return;
     }
-    pl_table_columns(&table, "Case|Engine|Error|Why");
-    for (int i = 0; i < findings->our_count; ++i) {
-        add_finding(&findings->ours[i], true, &table);
+    pl_table_columns(&table, "Case|Engine|Error|Why|What in the engine causes it|"
+                             "What was varied, and what changed");
+    for (int i = 0; i < findings->home_count; ++i) {
+        add_finding(&findings->home[i], true, &table);
     }
-    add_paragraph(out, findings->our_statement.data);
+    add_paragraph(out, findings->home_statement.data);
     add_table(out, table, SHOWN_LOSSES);
 }
 
@@ -485,8 +491,8 @@ void pl_report_summary(const pl_report *report, pl_text_buffer *out)
     const pl_result_table *results = report->results;
     add_markdown_head(results, out);
     add_verdicts(&report->verdicts, out);
-    add_losses(&report->losses, out);
-    add_our_findings(&report->findings, out);
+    add_losses(results->home, &report->losses, out);
+    add_home_findings(&report->findings, out);
     add_warnings(results, out);
     if (results->case_count == 0) {
         add_paragraph(out, "There are no results.");

@@ -22,7 +22,7 @@ pl_status pl_report_build(const pl_result_table *results, pl_report *report, pl_
 void pl_report_free(pl_report *report);
 
 /* Adds the report as Markdown with GitHub's tables, for the summary of a CI job: first the verdicts on
- * each engine, and where plumb loses. */
+ * each engine, and where the home engine loses. */
 void pl_report_summary(const pl_report *report, pl_text_buffer *out);
 
 #endif

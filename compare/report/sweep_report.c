@@ -2,18 +2,15 @@
 #include "sweep_report.h"
 
 #include "base/folding.h"
+#include "base/heap.h"
 #include "base/json_field.h"
 #include "results/store.h"
 #include "study_page.h"
 #include "sweep_tables.h"
 
-enum { PRINTED_ROWS = 20 };
+#include <stdlib.h>
 
-/* Whether plumb took part; engines of ours come first. */
-static bool has_ours(const pl_sweep_analysis *analysis)
-{
-    return analysis->engine_count > 0 && analysis->engines[0].ours;
-}
+enum { PRINTED_ROWS = 20 };
 
 /* ---- Files ---- */
 
@@ -32,8 +29,9 @@ static void set_said(json_t *json, const char *key, const pl_sweep_analysis *ana
 json_t *pl_sweep_report_json(const pl_sweep_analysis *analysis)
 {
     json_t *json = pl_sweep_to_json(analysis);
-    if (has_ours(analysis)) {
-        set_said(json, "statement", analysis, pl_sweep_statement);
+    set_said(json, "statement", analysis, pl_sweep_statement);
+    if (analysis->results->home != NULL) {
+        json_object_set_new(json, "home", json_string(analysis->results->home));
     }
     set_said(json, "warning", analysis, pl_sweep_warning);
     set_said(json, "unverified", analysis, pl_sweep_unverified);
@@ -97,24 +95,23 @@ void pl_sweep_report_print(FILE *stream, const pl_sweep_analysis *analysis)
 {
     pl_text_buffer words = {0}, out = {0};
     const int width = pl_window_width(stream);
-    if (has_ours(analysis)) {
-        pl_sweep_statement(analysis, &words);
-        pl_text_add(&words, "\n");
-    }
+    pl_sweep_statement(analysis, &words);
+    pl_text_add(&words, "\n");
     pl_sweep_unverified(analysis, &words);
     pl_text_add(&words, "\n");
     pl_sweep_warning(analysis, &words);
     pl_text_add_folded(&out, words.failed ? "" : words.data, width);
     out.failed |= words.failed;
     pl_text_free(&words);
-    if (has_ours(analysis)) {
-        print_table("Where plumb loses", pl_sweep_losses_table(analysis), PRINTED_ROWS, width,
-                    &out);
+    if (analysis->results->home != NULL) {
+        char *heading = pl_heap_format("Where %s loses", analysis->results->home);
+        print_table(heading, pl_sweep_losses_table(analysis), PRINTED_ROWS, width, &out);
+        free(heading);
     }
-    print_table("Speed of plumb at errors of at most 1e-3, over all scenes",
-                pl_sweep_means_table(analysis, PL_SWEEP_WHOLE, PL_SWEEP_MATCHED_LEVEL), 0, width,
+    print_table("Speed of the first over the second at errors of at most 1e-3, over all scenes",
+                pl_sweep_means_table(analysis, analysis->shown, PL_SWEEP_MATCHED_LEVEL), 0, width,
                 &out);
-    print_table("Speed of plumb at errors of at most 1e-3, scene by scene",
+    print_table("Speed of the first over the second at errors of at most 1e-3, scene by scene",
                 pl_sweep_factors_table(analysis, -1, PL_SWEEP_MATCHED_LEVEL), 0, width, &out);
     for (int i = 0; i < analysis->scene_count; ++i) {
         print_scene(analysis, &analysis->scenes[i], width, &out);

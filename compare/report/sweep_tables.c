@@ -37,34 +37,48 @@ void pl_sweep_error_text(double error, const char *unit, char text[PL_SWEEP_TEXT
     }
 }
 
+/* How many pairs tables show. */
+static int count_pairs(const pl_sweep_analysis *analysis)
+{
+    int count = 0;
+    for (int i = 0; i < analysis->pair_count; ++i) {
+        count += analysis->engines[analysis->pairs[i].first].kind == analysis->shown;
+    }
+    return count;
+}
+
 void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_text_buffer *out)
 {
-    bool ours = false, others = false;
+    const char *home = analysis->results->home;
+    bool others = false;
     int within = 0;
     for (int i = 0; i < analysis->engine_count; ++i) {
-        ours |= analysis->engines[i].ours;
-        others |= !analysis->engines[i].ours;
+        others |= !analysis->engines[i].is_home;
     }
     for (int i = 0; i < analysis->loss_count; ++i) {
         within += analysis->losses[i].within_noise;
     }
-    if (!ours || !others) {
-        pl_text_add(out, ours ? "Nothing was compared: these results hold no other engine."
-                              : "Nothing was compared: plumb itself was not run.");
+    if (home == NULL) {
+        pl_text_format(out, "%d %s of engines compared.", count_pairs(analysis),
+                       count_pairs(analysis) == 1 ? "pair" : "pairs");
+    } else if (!others) {
+        pl_text_add(out, "Nothing was compared: these results hold no other engine.");
     } else if (analysis->compared == 0) {
-        pl_text_add(out, "Nothing was compared: on no scene did plumb or another engine that was "
-                         "run on it reach any of the errors.");
+        pl_text_format(out,
+                       "Nothing was compared: on no scene did %s or another engine that was "
+                       "run on it reach any of the errors.",
+                       home);
     } else if (analysis->loss_count == 0) {
         pl_text_format(out,
                        "No losses: in none of %d comparisons (scene, engine, error) is another "
-                       "engine's front ahead of plumb's.",
-                       analysis->compared);
+                       "engine's front ahead of that of %s.",
+                       analysis->compared, home);
     } else {
         pl_text_format(out,
-                       "Another engine's front is ahead of plumb's in %d of %d comparisons "
+                       "Another engine's front is ahead of that of %s in %d of %d comparisons "
                        "(scene, engine, error): in %d at errors up to 1e-3, in %d at larger "
                        "ones; %d of all are within noise.",
-                       analysis->loss_count, analysis->compared, analysis->fine_losses,
+                       home, analysis->loss_count, analysis->compared, analysis->fine_losses,
                        analysis->loss_count - analysis->fine_losses, within);
     }
     if (analysis->unjudged > 0) {
@@ -137,8 +151,8 @@ static void add_cost_of(const pl_sweep_analysis *analysis, int point, const pl_s
 
 static void add_pair(const pl_sweep_analysis *analysis, const pl_sweep_pair *pair, pl_table *table)
 {
-    pl_table_add(table, analysis->engines[pair->ours].name);
-    pl_table_add(table, analysis->engines[pair->other].name);
+    pl_table_add(table, analysis->engines[pair->first].name);
+    pl_table_add(table, analysis->engines[pair->second].name);
 }
 
 /* ---- Tables of all scenes ---- */
@@ -146,18 +160,19 @@ static void add_pair(const pl_sweep_analysis *analysis, const pl_sweep_pair *pai
 pl_table pl_sweep_losses_table(const pl_sweep_analysis *analysis)
 {
     pl_table table = {0};
-    pl_table_columns(&table, "Scene|>Error|Ahead|>its cost|>plumb's cost|>Speed|");
+    pl_table_columns(&table, "Scene|>Error|Home|>its cost|Ahead|>its cost|>Speed|");
     for (int i = 0; i < analysis->loss_count; ++i) {
         const pl_sweep_loss *loss = &analysis->losses[i];
         char error[PL_QUANTITY_SIZE];
         pl_format_power(pl_sweep_levels[loss->level], error);
-        pl_table_add(&table, analysis->scenes[loss->scene].name);
-        pl_table_add(&table, error);
-        pl_table_add(&table, analysis->engines[analysis->pairs[loss->pair].other].name);
         const pl_sweep_pair *pair = &analysis->pairs[loss->pair];
         const pl_sweep_curve *curves = analysis->scenes[loss->scene].curves;
-        add_cost_of(analysis, loss->other, &curves[pair->other], &table);
-        add_cost_of(analysis, loss->ours, &curves[pair->ours], &table);
+        pl_table_add(&table, analysis->scenes[loss->scene].name);
+        pl_table_add(&table, error);
+        pl_table_add(&table, analysis->engines[pair->first].name);
+        add_cost_of(analysis, loss->first, &curves[pair->first], &table);
+        pl_table_add(&table, analysis->engines[pair->second].name);
+        add_cost_of(analysis, loss->second, &curves[pair->second], &table);
         add_ratio(&loss->speed, pl_no_number, &table);
         pl_table_add(&table, loss->within_noise ? "within noise" : "");
     }
@@ -186,21 +201,21 @@ static void add_mean(const pl_sweep_analysis *analysis, const pl_sweep_pair *pai
 {
     add_ratio(&pair->mean[level], pl_no_number, table);
     pl_table_format_cell(table, "%d of %d", pair->both[level], pair->scenes);
-    add_count(analysis, pair, pair->other, pair->ours_only[level], table);
-    add_count(analysis, pair, pair->ours, pair->other_only[level], table);
+    add_count(analysis, pair, pair->second, pair->first_only[level], table);
+    add_count(analysis, pair, pair->first, pair->second_only[level], table);
 }
 
 pl_table pl_sweep_means_table(const pl_sweep_analysis *analysis, pl_sweep_kind kind, int level)
 {
     pl_table table = {0};
     pl_table_columns(&table, kind == PL_SWEEP_WHOLE
-                                 ? "Ours|Other|Settings|>Mean speed|>Scenes both reach|"
-                                   "The other alone fails|Ours alone fails"
-                                 : "Ours|Other|>Mean speed|>Scenes both reach|"
-                                   "The other alone fails|Ours alone fails");
+                                 ? "First|Second|Settings|>Mean speed|>Scenes both reach|"
+                                   "Second alone fails|First alone fails"
+                                 : "First|Second|>Mean speed|>Scenes both reach|"
+                                   "Second alone fails|First alone fails");
     for (int i = 0; i < analysis->pair_count; ++i) {
         const pl_sweep_pair *pair = &analysis->pairs[i];
-        if (analysis->engines[pair->ours].kind != kind || pair->scenes == 0) {
+        if (analysis->engines[pair->first].kind != kind || pair->scenes == 0) {
             continue;
         }
         if (kind == PL_SWEEP_WHOLE && pair->shipped >= 0) {
@@ -343,9 +358,9 @@ pl_table pl_sweep_costs_table(const pl_sweep_analysis *analysis, const pl_sweep_
 /* The text where there is no ratio: which of the two reached the error or cost alone. */
 static const char *attained_text(pl_attained_by attained)
 {
-    return attained == PL_ATTAINED_BY_OURS_ONLY    ? "ours alone"
-           : attained == PL_ATTAINED_BY_OTHER_ONLY ? "other alone"
-                                                   : pl_no_number;
+    return attained == PL_ATTAINED_BY_FIRST_ONLY    ? "first alone"
+           : attained == PL_ATTAINED_BY_SECOND_ONLY ? "second alone"
+                                                    : pl_no_number;
 }
 
 /* ---- Both factors of a scene ---- */
@@ -383,23 +398,24 @@ static void add_factors(const pl_sweep_analysis *analysis, const pl_sweep_scene 
     pl_format_power(pl_sweep_levels[level], error);
     pl_table_add(table, scene->name);
     pl_table_add(table, error);
-    pl_table_add(table, analysis->engines[pair->other].name);
+    add_pair(analysis, pair, table);
     add_factor(scene, pair->shipped, level, table);
     add_factor(scene, index, level, table);
-    add_setting(analysis, &scene->curves[pair->ours], level, table);
-    add_setting(analysis, &scene->curves[pair->other], level, table);
+    add_setting(analysis, &scene->curves[pair->first], level, table);
+    add_setting(analysis, &scene->curves[pair->second], level, table);
 }
 
 pl_table pl_sweep_factors_table(const pl_sweep_analysis *analysis, int scene, int level)
 {
     pl_table table = {0};
-    pl_table_columns(&table, "Scene|>Error|Other|>Speed as shipped|>Speed, each at its best|"
-                             "Ours at its best|The other at its best");
+    pl_table_columns(&table, "Scene|>Error|First|Second|>Speed as shipped|>Speed, each at its best|"
+                             "First at its best|Second at its best");
     for (int p = 0; p < analysis->scene_count; ++p) {
         for (int i = 0; i < analysis->pair_count && (scene < 0 || scene == p); ++i) {
             const pl_pairwise_comparison *comparison = &analysis->scenes[p].comparisons[i];
-            const bool whole = analysis->engines[analysis->pairs[i].ours].kind == PL_SWEEP_WHOLE;
-            for (int k = 0; k < PL_SWEEP_LEVELS && whole && comparison->run; ++k) {
+            const bool is_shown =
+                analysis->engines[analysis->pairs[i].first].kind == analysis->shown;
+            for (int k = 0; k < PL_SWEEP_LEVELS && is_shown && comparison->run; ++k) {
                 if (comparison->at_error[k] != PL_ATTAINED_BY_NEITHER &&
                     (level < 0 || level == k)) {
                     add_factors(analysis, &analysis->scenes[p], i, k, &table);

@@ -14,7 +14,7 @@ void pl_sweep_ratio_text(const pl_sweep_ratio *ratio, char text[PL_SWEEP_TEXT_SI
 /* Writes an error with its unit; at the floor "≤ 1e-9 m". */
 void pl_sweep_error_text(double error, const char *unit, char text[PL_SWEEP_TEXT_SIZE]);
 
-/* Adds how many comparisons plumb loses, in plain text. */
+/* Adds how many comparisons the home engine loses, or without one how many there were, in plain text. */
 void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_text_buffer *out);
 
 /* Adds what a reader must be warned of, in plain text; nothing where there is nothing. */

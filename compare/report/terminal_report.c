@@ -1,12 +1,14 @@
 /* The report for a terminal: lines and tables are folded to its width, and nothing is cut off. */
 #include "adapter_trust.h"
 #include "base/folding.h"
+#include "base/heap.h"
 #include "base/number_format.h"
 #include "base/table.h"
 #include "cell_verdict.h"
 #include "report.h"
 #include "summary.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { NUMBER_COLUMNS = 4, SHOWN_LOSSES = 5, INDENT = 2 };
@@ -41,15 +43,15 @@ static void add_text(const terminal *to, const char *line)
     add_line(to, "", line);
 }
 
-/* Adds the runs of our own engine that are not accurate. */
-static void add_our_findings(const pl_engine_findings *findings, const terminal *to)
+/* Adds the runs of the home engine that are not accurate. */
+static void add_home_findings(const pl_engine_findings *findings, const terminal *to)
 {
-    if (findings->our_count == 0) {
+    if (findings->home_count == 0) {
         return;
     }
-    add_text(to, findings->our_statement.data);
-    for (int i = 0; i < findings->our_count; ++i) {
-        const pl_engine_finding *finding = &findings->ours[i];
+    add_text(to, findings->home_statement.data);
+    for (int i = 0; i < findings->home_count; ++i) {
+        const pl_engine_finding *finding = &findings->home[i];
         const char *why = pl_cell_why(finding->cell);
         char verdict[PL_CELL_VERDICT_SIZE], line[1600];
         pl_cell_verdict(finding->cell, verdict);
@@ -76,20 +78,22 @@ static void add_verdicts(const pl_verdict_counts *verdicts, const terminal *to)
     pl_table_free(&table);
 }
 
-static void add_losses(const pl_losses *losses, const terminal *to)
+static void add_losses(const char *home, const pl_losses *losses, const terminal *to)
 {
-    if (!losses->home_present) {
+    if (home == NULL) {
         return;
     }
-    add_line(to, bold, "Where plumb loses");
+    char *heading = pl_heap_format("Where %s loses", home);
+    add_line(to, bold, heading);
+    free(heading);
     add_text(to, losses->statement.data);
     for (int i = 0; i < losses->count && i < SHOWN_LOSSES; ++i) {
         const pl_loss *loss = &losses->items[i];
-        char metric[PL_LOSS_TEXT_SIZE], home[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
+        char metric[PL_LOSS_TEXT_SIZE], own[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
         char ratio[PL_LOSS_TEXT_SIZE], line[1600];
-        pl_loss_texts(loss, metric, home, best, ratio);
+        pl_loss_texts(loss, metric, own, best, ratio);
         snprintf(line, sizeof line, "  %s  %s: %s  %s %s, %s %s", ratio, loss->test_case->name,
-                 metric, loss->home->name, home, loss->best->name, best);
+                 metric, loss->home->name, own, loss->best->name, best);
         add_line(to, red, line);
     }
     if (losses->count > SHOWN_LOSSES) {
@@ -258,8 +262,8 @@ void pl_report_print_table(FILE *out, const pl_result_table *results, bool colou
     const terminal to = {
         .out = &text, .colour = colour, .width = width < PL_LEAST_WINDOW ? PL_LEAST_WINDOW : width};
     if (pl_report_build(results, &report, &error) == PL_OK) {
-        add_losses(&report.losses, &to);
-        add_our_findings(&report.findings, &to);
+        add_losses(results->home, &report.losses, &to);
+        add_home_findings(&report.findings, &to);
         add_cases(results, &to);
         add_engines(results, &to);
         add_findings(&report.findings, &to);

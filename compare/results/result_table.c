@@ -14,9 +14,11 @@
 static bool is_home(const pl_result_row *row, const char *home)
 {
     char with_profile[2 * PL_LABEL_SIZE];
+    const size_t plain = strcspn(row->label, ",");
     snprintf(with_profile, sizeof with_profile, "%s:%s", row->engine, row->profile);
     return home != NULL && (strcmp(home, row->label) == 0 || strcmp(home, row->engine) == 0 ||
-                            strcmp(home, with_profile) == 0);
+                            strcmp(home, with_profile) == 0 ||
+                            (strlen(home) == plain && strncmp(home, row->label, plain) == 0));
 }
 
 /* A row's place among configurations is noted as 0 for those of the home engine, else 1, before they are known. */
@@ -87,6 +89,22 @@ static void make_configurations(pl_result_table *table, const char *home)
     for (int i = 0; i < table->configuration_count; ++i) {
         name_configuration(table, &table->configurations[i]);
     }
+}
+
+static pl_status check_home(const pl_result_table *table, pl_error *error)
+{
+    if (table->home == NULL || table->row_count == 0 || table->configurations[0].is_home) {
+        return PL_OK;
+    }
+    const char **labels = pl_heap_new((size_t)table->configuration_count, sizeof(const char *));
+    char hint[PL_SUGGESTION_SIZE];
+    for (int i = 0; i < table->configuration_count; ++i) {
+        labels[i] = table->configurations[i].label;
+    }
+    pl_did_you_mean(table->home, labels, table->configuration_count, hint);
+    free(labels);
+    return pl_fail(error, PL_BAD_INPUT, "--home %.100s: the results have no run of that engine%s",
+                   table->home, hint);
 }
 
 /* ---- Scenes, cases and cells ---- */
@@ -238,7 +256,7 @@ static void name_all(pl_result_table *table)
 pl_status pl_result_table_build(const pl_result_table_def *def, pl_result_table *table,
                                 pl_error *error)
 {
-    *table = (pl_result_table){0};
+    *table = (pl_result_table){.home = def->home};
     const pl_status status = pl_result_rows_read(def, table, error);
     if (status != PL_OK) {
         return status;
@@ -250,7 +268,7 @@ pl_status pl_result_table_build(const pl_result_table_def *def, pl_result_table 
     drop_doubles(table);
     lay_out(table);
     name_all(table);
-    return PL_OK;
+    return check_home(table, error);
 }
 
 void pl_result_table_free(pl_result_table *table)

@@ -95,6 +95,7 @@ typedef struct pl_result_table {
     int scene_count;
     pl_result_configuration *configurations;
     int configuration_count;
+    const char *home;           /* as given; NULL: none */
     int old_scenes, old_builds; /* results that were left out because newer ones count */
     bool several_hosts;         /* results come from different processors */
     bool disagrees;             /* those of some cell do */
@@ -119,7 +120,8 @@ typedef struct pl_result_table_def {
 } pl_result_table_def;
 
 /* Makes the table. Results that are equal in every key count once, and the order of the results has no effect.
- * PL_BAD_INPUT: FILE:LINE:1: the key that is missing or of the wrong type. The caller frees, also on failure. */
+ * PL_BAD_INPUT: FILE:LINE:1: the key that is missing or of the wrong type; or there are results, and none is of the
+ * home engine. The caller frees, also on failure. */
 pl_status pl_result_table_build(const pl_result_table_def *def, pl_result_table *table,
                                 pl_error *error);
 

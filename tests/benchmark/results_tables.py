@@ -287,8 +287,8 @@ def millimetres(distance):
 def heap_speed(program):
     """CPU time for a simulated second at the same overlap, relative to the fastest setting of plumb."""
     out = program.directory / "heap_speed"
-    program.call("sweep", "wall-collapse", "falling-cubes", "pile", "container", "--duration", "4", "--changes", "0",
-                 "--jobs", "2", "--resume", "--out", str(out))
+    program.call("sweep", "wall-collapse", "falling-cubes", "pile", "container", "--duration", "4", "--changes", "0", "--home", "plumb",
+                 "--jobs", "2", "--home", "plumb", "--resume", "--out", str(out))
     best = {}
     for line in (out / "results.jsonl").read_text(encoding="utf-8").splitlines():
         result = json.loads(line)
@@ -399,10 +399,10 @@ def two_digits(value):
 
 def factor(at):
     """How many times as fast plumb is as the other engine at this error."""
-    if at["our_point"] is None and at["other_point"] is None:
+    if at["first_point"] is None and at["second_point"] is None:
         return "neither"
     if at["speed"] is None:
-        return "plumb alone" if at["other_point"] is None else "it alone"
+        return "plumb alone" if at["second_point"] is None else "it alone"
     value, low, high = (two_digits(at["speed"][key]) for key in ("value", "low", "high"))
     return f"× {value} ({low} to {high})"
 
@@ -428,18 +428,18 @@ def sweep(program):
     out = program.directory / "sweep"
     program.call("sweep", "--suite", "canonical", "--jobs", "2", "--resume", "--out", str(out))
     found = json.loads((out / "sweep.json").read_text(encoding="utf-8"))
-    names = [engine["name"] for engine in found["engines"] if engine["all_profiles"] and not engine["ours"]]
+    names = [engine["name"] for engine in found["engines"] if engine["all_profiles"] and not engine["home"]]
     factors, settings = [], []
     for problem in found["problems"]:
-        duels = [duel for duel in problem["duels"] if found["engines"][duel["other"]]["name"] in names]
+        duels = [duel for duel in problem["duels"] if found["engines"][duel["second"]]["name"] in names]
         best = {}
         for wanted in SWEEP_LEVELS:
             row = [problem["name"], power(wanted)]
             for duel in duels:
                 (level,) = [level for level in duel["levels"] if level["level"] == wanted]
                 row.append(f"{factor(level['as_shipped'])}<br>{factor(level)}")
-                best.setdefault(duel["ours"], {})[wanted] = level["our_point"]
-                best.setdefault(duel["other"], {})[wanted] = level["other_point"]
+                best.setdefault(duel["first"], {})[wanted] = level["first_point"]
+                best.setdefault(duel["second"], {})[wanted] = level["second_point"]
             factors.append(row)
         settings += settings_of(problem, found, best)
     print_table(["scenario", "error", *names], factors)

@@ -15,7 +15,7 @@ def cells(path):
     found = {}
     for problem in sweep["problems"]:
         for duel in problem["duels"]:
-            pair = (problem["name"], duel["ours"], duel["other"])
+            pair = (problem["name"], duel["first"], duel["second"])
             for at in duel["levels"]:
                 found["speed", pair, at["level"]] = at["speed"]
                 if "as_shipped" in at:
@@ -24,9 +24,9 @@ def cells(path):
                 found["error", pair, at["time"]] = at["exactness"]
     for pair in sweep["pairs"]:
         for at in pair["levels"]:
-            found["mean", (pair["ours"], pair["other"]), at["level"]] = at["mean_speed"]
+            found["mean", (pair["first"], pair["second"]), at["level"]] = at["mean_speed"]
             if "as_shipped" in at:
-                key = "mean as shipped", (pair["ours"], pair["other"]), at["level"]
+                key = "mean as shipped", (pair["first"], pair["second"]), at["level"]
                 found[key] = at["as_shipped"]["mean_speed"]
     return found
 

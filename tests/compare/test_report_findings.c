@@ -60,8 +60,8 @@ static void test_our_own_runs_are_no_findings(void **state)
     assert_int_equal(made.report.findings.count, 0);
     assert_absent(made.data, "\"origin\":");
     assert_absent(made.markdown.data, "## Findings");
-    assert_int_equal(made.report.findings.our_count, 2);
-    const char *losses = strstr(made.data, "\"our_statement\"");
+    assert_int_equal(made.report.findings.home_count, 2);
+    const char *losses = strstr(made.data, "\"home_statement\"");
     assert_non_null(losses);
     assert_contains(losses, "2 of 2 runs of plumb:fast that were judged are not accurate.");
     assert_contains(losses, "inaccurate, 50 % (value_error)");

@@ -240,7 +240,7 @@ static void test_nothing_compared_is_not_called_no_losses(void **state)
     }
 }
 
-static void test_losses_appear_only_with_our_engine(void **state)
+static void test_losses_appear_only_with_a_home_engine(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -248,7 +248,7 @@ static void test_losses_appear_only_with_our_engine(void **state)
     add_run(results, "s", "bullet:si", "ok");
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 100);
-    assert_contains(made.data, "\"losses\":{\"ours\":false");
+    assert_contains(made.data, "\"losses\":{\"home\":null");
     assert_absent(made.markdown.data, "Where plumb loses");
     assert_absent(table, "Where plumb loses");
     free(table);
@@ -281,7 +281,7 @@ int main(void)
         cmocka_unit_test(test_times_of_different_machines_are_not_compared),
         cmocka_unit_test(test_no_losses_is_reported_with_the_comparisons),
         cmocka_unit_test(test_nothing_compared_is_not_called_no_losses),
-        cmocka_unit_test(test_losses_appear_only_with_our_engine),
+        cmocka_unit_test(test_losses_appear_only_with_a_home_engine),
         cmocka_unit_test(test_verdicts_and_losses_come_before_results),
     };
     return cmocka_run_group_tests_name("report_losses", tests, NULL, NULL);

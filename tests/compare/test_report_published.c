@@ -51,7 +51,7 @@ static json_t *three_towers(void)
     return results;
 }
 
-static void test_summary_shows_published_numbers_next_to_ours(void **state)
+static void test_summary_shows_published_numbers_next_to_engines(void **state)
 {
     (void)state;
     made_report made = make_report(three_towers());
@@ -137,7 +137,7 @@ static void test_compare_writes_the_published_table(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_summary_shows_published_numbers_next_to_ours),
+        cmocka_unit_test(test_summary_shows_published_numbers_next_to_engines),
         cmocka_unit_test(test_published_numbers_need_all_their_cases),
         cmocka_unit_test(test_other_parameters_are_another_case),
         cmocka_unit_test(test_compare_writes_the_published_table),

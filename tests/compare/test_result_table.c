@@ -431,9 +431,11 @@ static void test_home_is_a_label_a_profile_or_an_engine(void **state)
     (void)state;
     static const struct {
         const char *home, *names;
-    } rows[] = {{NULL, "bullet:si mine ode:p ode:q"},   {"none", "bullet:si mine ode:p ode:q"},
-                {"ode", "ode:p ode:q bullet:si mine"},  {"ode:q", "ode:q bullet:si mine ode:p"},
-                {"mine", "mine bullet:si ode:p ode:q"}, {"small", "mine bullet:si ode:p ode:q"}};
+    } rows[] = {{NULL, "bullet:si mine ode:p ode:q"},
+                {"ode", "ode:p ode:q bullet:si mine"},
+                {"ode:q", "ode:q bullet:si mine ode:p"},
+                {"mine", "mine bullet:si ode:p ode:q"},
+                {"small", "mine bullet:si ode:p ode:q"}};
     json_t *results = json_array(), *none = json_array();
     static const char *const labels[] = {"ode:q", "bullet:si", "ode:p", "small:p"};
     for (int i = 0; i < 4; ++i) {
@@ -454,11 +456,27 @@ static void test_home_is_a_label_a_profile_or_an_engine(void **state)
             home += table->configurations[k].is_home;
         }
         assert_string_equal(names, rows[i].names);
-        assert_int_equal(home, i < 2 ? 0 : i == 2 ? 2 : 1);
+        assert_int_equal(home, i == 0 ? 0 : i == 1 ? 2 : 1);
         free_table(table);
     }
     json_decref(results);
     json_decref(none);
+}
+
+static void test_home_that_was_not_run_is_refused(void **state)
+{
+    (void)state;
+    json_t *results = two_runs("creep", 1, 2);
+    const pl_result_file file = {.path = "made.jsonl", .results = results};
+    const pl_result_table_def def = {.files = &file, .file_count = 1, .home = "ode:quik"};
+    pl_result_table table;
+    pl_error error = {PL_OK, ""};
+    assert_int_equal(pl_result_table_build(&def, &table, &error), PL_BAD_INPUT);
+    assert_contains(error.message,
+                    "--home ode:quik: the results have no run of that engine; did you "
+                    "mean ode:quick");
+    pl_result_table_free(&table);
+    json_decref(results);
 }
 
 /* ---- Bad input ---- */
@@ -527,6 +545,7 @@ int main(void)
         cmocka_unit_test(test_snapshots_are_compared_with_each_other),
         cmocka_unit_test(test_what_was_left_out_is_said),
         cmocka_unit_test(test_home_is_a_label_a_profile_or_an_engine),
+        cmocka_unit_test(test_home_that_was_not_run_is_refused),
         cmocka_unit_test(test_bad_row_is_named_with_its_line),
         cmocka_unit_test(test_result_with_required_keys_only_makes_a_page),
     };

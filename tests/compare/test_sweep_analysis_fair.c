@@ -103,7 +103,7 @@ static void test_factor_as_shipped_and_at_the_best(void **state)
     json_t *results = tuned_sweep();
     pl_sweep_analysis analysis = analysis_of(results);
     const pl_sweep_pair *pair = &analysis.pairs[pair_named(&analysis, "plumb", "ode")];
-    assert_int_equal(analysis.engines[pair->ours].kind, PL_SWEEP_WHOLE);
+    assert_int_equal(analysis.engines[pair->first].kind, PL_SWEEP_WHOLE);
     assert_true(pair->shipped >= 0);
     const pl_pairwise_comparison *best = comparison_with(&analysis, "ode");
     const pl_pairwise_comparison *shipped = &analysis.scenes[0].comparisons[pair->shipped];
@@ -121,7 +121,7 @@ static void test_factor_as_shipped_and_at_the_best(void **state)
     assert_close(json_number_value(json_object_get(json_object_get(as_shipped, "speed"), "value")),
                  3, 0, 1e-12);
     assert_string_equal(
-        analysis.points[json_integer_value(json_object_get(level, "other_point"))].label,
+        analysis.points[json_integer_value(json_object_get(level, "second_point"))].label,
         "ode:d,iterations=5");
     json_decref(json);
     finish_sweep(&analysis, results);

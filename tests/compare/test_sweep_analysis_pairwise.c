@@ -37,7 +37,7 @@ static void test_error_ratio_is_taken_at_each_cost(void **state)
     enum { AT_1 = 18, AT_2, AT_5, AT_10, AT_20 };
     assert_close(pl_sweep_times[AT_5], 5, 0, 0);
     assert_int_equal(comparison->at_cost[AT_1 - 1], PL_ATTAINED_BY_NEITHER);
-    assert_int_equal(comparison->at_cost[AT_1], PL_ATTAINED_BY_OTHER_ONLY);
+    assert_int_equal(comparison->at_cost[AT_1], PL_ATTAINED_BY_SECOND_ONLY);
     assert_close(comparison->exactness[AT_2].value, 100, 0, 1e-15);
     assert_close(comparison->exactness[AT_5].value, 100, 0, 1e-15);
     assert_close(comparison->exactness[AT_10].value, 1, 0, 0);
@@ -67,8 +67,8 @@ static void test_losses_are_where_another_front_is_ahead(void **state)
         int level;
         pl_attained_by attained;
         bool within_noise;
-    } expected[] = {{"b n=0", 2, PL_ATTAINED_BY_OTHER_ONLY, false},
-                    {"b n=0", 1, PL_ATTAINED_BY_OTHER_ONLY, false},
+    } expected[] = {{"b n=0", 2, PL_ATTAINED_BY_SECOND_ONLY, false},
+                    {"b n=0", 1, PL_ATTAINED_BY_SECOND_ONLY, false},
                     {"a n=0", 0, PL_ATTAINED_BY_BOTH, false},
                     {"a n=0", 1, PL_ATTAINED_BY_BOTH, false},
                     {"b n=0", 0, PL_ATTAINED_BY_BOTH, true}};
@@ -78,10 +78,10 @@ static void test_losses_are_where_another_front_is_ahead(void **state)
         assert_int_equal(loss->level, expected[i].level);
         assert_int_equal(loss->attained, expected[i].attained);
         assert_int_equal(loss->within_noise, expected[i].within_noise);
-        assert_int_equal(loss->ours < 0, loss->attained == PL_ATTAINED_BY_OTHER_ONLY);
-        assert_true(loss->other >= 0);
+        assert_int_equal(loss->first < 0, loss->attained == PL_ATTAINED_BY_SECOND_ONLY);
+        assert_true(loss->second >= 0);
     }
-    assert_close(analysis.losses[0].other, 5, 0, 0);
+    assert_close(analysis.losses[0].second, 5, 0, 0);
     finish_sweep(&analysis, results);
 }
 
@@ -226,7 +226,7 @@ static void test_loss_within_its_interval_is_noise(void **state)
     assert_int_equal(analysis.loss_count, 4);
     for (int i = 0; i < 4; ++i) {
         const pl_sweep_pair *pair = &analysis.pairs[analysis.losses[i].pair];
-        assert_string_equal(analysis.engines[pair->other].name, i < 2 ? "bullet" : "ode");
+        assert_string_equal(analysis.engines[pair->second].name, i < 2 ? "bullet" : "ode");
         assert_int_equal(analysis.losses[i].within_noise, i >= 2);
     }
     finish_sweep(&analysis, results);
@@ -275,8 +275,8 @@ static void test_geometric_mean_counts_unreached_targets(void **state)
     assert_int_equal(pair->scenes, 3);
     assert_close(pair->mean[PL_SWEEP_MATCHED_LEVEL].value, 6, 0, 1e-14);
     assert_int_equal(pair->both[PL_SWEEP_MATCHED_LEVEL], 2);
-    assert_int_equal(pair->ours_only[PL_SWEEP_MATCHED_LEVEL], 1);
-    assert_int_equal(pair->other_only[PL_SWEEP_MATCHED_LEVEL], 0);
+    assert_int_equal(pair->first_only[PL_SWEEP_MATCHED_LEVEL], 1);
+    assert_int_equal(pair->second_only[PL_SWEEP_MATCHED_LEVEL], 0);
     assert_close(pair->mean[1].value, cbrt(36), 0, 1e-14);
     assert_true(isnan(pair->mean[3].value));
     finish_sweep(&analysis, results);

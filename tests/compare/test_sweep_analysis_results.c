@@ -86,7 +86,7 @@ static void test_failed_point_is_never_a_number(void **state)
     assert_true(isnan(analysis.points[1].cost));
     assert_true(isnan(analysis.points[0].error));
     assert_int_equal(analysis.loss_count, 3);
-    assert_int_equal(analysis.losses[0].attained, PL_ATTAINED_BY_OTHER_ONLY);
+    assert_int_equal(analysis.losses[0].attained, PL_ATTAINED_BY_SECOND_ONLY);
     finish_sweep(&analysis, results);
 }
 
@@ -101,7 +101,7 @@ static void test_all_failed_is_no_comparison(void **state)
     assert_int_equal(analysis.compared, 0);
     assert_int_equal(analysis.loss_count, 0);
     assert_int_equal(pair->scenes, 1);
-    assert_int_equal(pair->both[0] + pair->ours_only[0] + pair->other_only[0], 0);
+    assert_int_equal(pair->both[0] + pair->first_only[0] + pair->second_only[0], 0);
     assert_true(isnan(pair->mean[0].value));
     finish_sweep(&analysis, results);
 }

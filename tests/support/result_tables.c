@@ -3,6 +3,7 @@
 #include "check.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static pl_result_table *build(const pl_result_file *files, int count, const char *home)
 {
@@ -20,7 +21,15 @@ static pl_result_table *build(const pl_result_file *files, int count, const char
 pl_result_table *table_of(const json_t *results)
 {
     const pl_result_file file = {.path = "made.jsonl", .results = results};
-    return build(&file, 1, "plumb");
+    const char *home = NULL;
+    size_t index;
+    json_t *row;
+    json_array_foreach((json_t *)results, index, row)
+    {
+        const bool is_home = strcmp(pl_json_get_text(row, "engine"), "plumb") == 0;
+        home = is_home ? "plumb" : home;
+    }
+    return build(&file, 1, home);
 }
 
 pl_result_table *table_of_two(const json_t *first, const json_t *second, bool is_one_snapshot,

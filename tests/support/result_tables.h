@@ -4,8 +4,8 @@
 
 #include "results/result_table.h"
 
-/* Makes a table of the file made.jsonl, with runs on changed scenes; plumb is the home engine. The test fails where the
- * results are refused. */
+/* Makes a table of the file made.jsonl, with runs on changed scenes; plumb is the home engine, if it has runs. The test
+ * fails where the results are refused. */
 pl_result_table *table_of(const json_t *results);
 
 /* The same of two files, each a snapshot of its own, or both of one, for the home engine (NULL: none). */

@@ -69,8 +69,8 @@ int engine_named(const pl_sweep_analysis *analysis, const char *name)
 int pair_named(const pl_sweep_analysis *analysis, const char *ours, const char *other)
 {
     for (int i = 0; i < analysis->pair_count; ++i) {
-        if (analysis->pairs[i].ours == engine_named(analysis, ours) &&
-            analysis->pairs[i].other == engine_named(analysis, other)) {
+        if (analysis->pairs[i].first == engine_named(analysis, ours) &&
+            analysis->pairs[i].second == engine_named(analysis, other)) {
             return i;
         }
     }

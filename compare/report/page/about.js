@@ -1,4 +1,4 @@
-/* The later parts of a report: findings, where plumb loses, settings, words, fairness, metrics. */
+/* The later parts of a report: findings, where the home engine loses, settings, words, fairness, metrics. */
 import { data, facts, folded, h, p, section, table } from './dom.js';
 
 const link = (report, index) => ({ text: report.cases[index].name, value: index, children: h('a', { href: `#case-${index}` }, report.cases[index].name) });
@@ -7,20 +7,20 @@ export function findings(report) {
   const f = report.findings;
   if (!f.statement) return null;
   return section('findings', 'Findings', p(f.statement, 'lead'), p(f.adapters), p(f.read_back), p(f.origin),
-    table({ caption: 'Runs of other engines that are not accurate', columns: [{ name: 'case' }, { name: 'engine' }, { name: 'error' }, { name: 'what in the engine causes it', wide: true }, { name: 'what was varied, and what changed', wide: true }],
-      rows: f.rows.map(([test, ...rest]) => [link(report, test), ...rest]), most: 40 }));
+    table({ caption: report.losses.home ? 'Runs of other engines that are not accurate' : 'Runs that are not accurate', columns: [{ name: 'case' }, { name: 'engine' }, { name: 'error' }, { name: 'what in the engine causes it', wide: true }, { name: 'what was varied, and what changed', wide: true }],
+      rows: f.rows.map(([test, engine, error, , cause, evidence]) => [link(report, test), engine, error, cause, evidence]), most: 40 }));
 }
 
-/* Only where plumb itself took part. */
-export function ours(report) {
+/* Of the home engine: where it is worse than others, and which of its runs are not accurate. */
+export function home(report) {
   const l = report.losses, f = report.findings;
-  if (!l.ours) return null;
-  return section('losses', 'Where plumb loses', p(l.statement, 'lead'),
-    l.rows.length > 0 ? table({ caption: 'Comparisons that plumb loses', columns: [{ name: 'case' }, { name: 'metric' }, { name: 'ours' }, { name: 'value', right: true }, { name: 'best other' }, { name: 'value', right: true }, { name: 'ratio', right: true }],
+  if (!l.home) return null;
+  return section('losses', `Where ${l.home} loses`, p(l.statement, 'lead'),
+    l.rows.length > 0 ? table({ caption: `Comparisons that ${l.home} loses`, columns: [{ name: 'case' }, { name: 'metric' }, { name: 'home' }, { name: 'value', right: true }, { name: 'best other' }, { name: 'value', right: true }, { name: 'ratio', right: true }],
       rows: l.rows.map(([test, ...rest]) => [link(report, test), ...rest]), most: 20 }) : null,
     folded('What is compared, and which differences count', p(l.rule)),
-    f.our_statement ? [p(f.our_statement), table({ caption: 'Runs of plumb that are not accurate', columns: [{ name: 'case' }, { name: 'engine' }, { name: 'error' }, { name: 'why', wide: true }],
-      rows: f.our_rows.map(([test, engine, error, why]) => [link(report, test), engine, error, why]), most: 20 })] : null);
+    f.home_statement ? [p(f.home_statement), table({ caption: `Runs of ${l.home} that are not accurate`, columns: [{ name: 'case' }, { name: 'engine' }, { name: 'error' }, { name: 'why', wide: true }, { name: 'what in the engine causes it', wide: true }, { name: 'what was varied, and what changed', wide: true }],
+      rows: f.home_rows.map(([test, ...rest]) => [link(report, test), ...rest]), most: 20 })] : null);
 }
 
 export function stepping(report) {

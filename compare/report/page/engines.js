@@ -13,11 +13,11 @@ function shade(hex, part) {
   return `#${mixed.join('')}`;
 }
 
-/* name -> {colour, dash}; engines: [{name, engine}]. */
+/* name -> {colour, dash}; engines: [{name, engine}], in any order, which has no effect. */
 export function styles(engines) {
   const seen = {}, found = new Map();
   let spare = 0;
-  for (const { name, engine } of engines) {
+  for (const { name, engine } of [...engines].sort((a, b) => (a.name < b.name ? -1 : 1))) {
     const family = engine || name.split(':')[0];
     if (!(family in seen)) seen[family] = { hue: HUES[family] ?? others[spare++ % others.length], count: 0 };
     const k = seen[family].count++;

@@ -56,7 +56,7 @@ function report(all) {
     return;
   }
   const cases = all.cases.map((_, i) => scenario(all, i, styles, whenNear));
-  const parts = [overview(all, styles), ...cases, about.findings(all), about.stepping(all), about.ours(all), about.settings(all), about.words(all), about.fairness(), about.metrics(all.metrics), about.provenance(all), about.licences()].filter(Boolean);
+  const parts = [overview(all, styles), ...cases, about.findings(all), about.stepping(all), about.home(all), about.settings(all), about.words(all), about.fairness(), about.metrics(all.metrics), about.provenance(all), about.licences()].filter(Boolean);
   main.append(...parts);
   contents(parts, cases, 'Scenarios');
   if (cases.length <= 40) fillLater(cases);

@@ -42,7 +42,7 @@ function errors(study, problem) {
 }
 
 function pairs(study, problem) {
-  const rows = problem.duels.flatMap((d) => d.levels.filter((l) => l.reached !== 'neither').map((l) => [`${study.engines[d.ours].name} / ${study.engines[d.other].name}`, { text: power(l.level), value: l.level }, l.reached, ratioCell(l.speed), settingsOf(study.points[l.our_point]), settingsOf(study.points[l.other_point])]));
+  const rows = problem.duels.flatMap((d) => d.levels.filter((l) => l.reached !== 'neither').map((l) => [`${study.engines[d.first].name} / ${study.engines[d.second].name}`, { text: power(l.level), value: l.level }, l.reached, ratioCell(l.speed), settingsOf(study.points[l.first_point]), settingsOf(study.points[l.second_point])]));
   return rows.length === 0 ? null : table({ caption: 'Speed of the first over the second at the same error', columns: [{ name: 'pair' }, { name: 'error ≤', right: true }, { name: 'reached by' }, { name: 'speed', right: true }, { name: 'settings of the first', wide: true }, { name: 'of the second', wide: true }], rows, most: 20 });
 }
 
@@ -55,9 +55,9 @@ export function sweep(study) {
   const styles = stylesOf([...new Map(study.engines.map((e) => [e.name, { name: e.name, engine: e.name.split(':')[0] }])).values()]);
   const whole = study.engines.filter((e) => e.all_profiles).map((e) => e.name);
   const inner = study.problems.map((problem, i) => section(`scene-${i}`, problem.name, front(study, problem, styles, i), chips(whole.filter((n) => problem.curves.some((c) => study.engines[c.engine].name === n)), styles), costs(study, problem), errors(study, problem), pairs(study, problem), allPoints(study, i, problem.unit)));
-  const means = study.pairs.flatMap((q) => q.levels.filter((l) => l.both + l.ours_only + l.other_only > 0).map((l) => [`${study.engines[q.ours].name} / ${study.engines[q.other].name}`, { text: power(l.level), value: l.level }, ratioCell(l.mean_speed), l.both, l.ours_only, l.other_only, l.neither]));
+  const means = study.pairs.flatMap((q) => q.levels.filter((l) => l.both + l.first_only + l.second_only > 0).map((l) => [`${study.engines[q.first].name} / ${study.engines[q.second].name}`, { text: power(l.level), value: l.level }, ratioCell(l.mean_speed), l.both, l.first_only, l.second_only, l.neither]));
   const orders = study.orders.map((o) => [study.problems[o.problem].name, study.engines[o.engine].name, o.finding, { text: digits(o.order), value: o.order }, `${digits(o.dt_low)} to ${digits(o.dt_high)} s`]);
-  const losses = study.losses.map((l) => [study.problems[l.problem].name, { text: power(l.level), value: l.level }, settingsOf(study.points[l.our_point]), settingsOf(study.points[l.other_point]), ratioCell(l.speed), l.within_noise ? 'within noise' : '']);
+  const losses = study.losses.map((l) => [study.problems[l.problem].name, { text: power(l.level), value: l.level }, settingsOf(study.points[l.first_point]), settingsOf(study.points[l.second_point]), ratioCell(l.speed), l.within_noise ? 'within noise' : '']);
   const parts = [
     section('profiles', 'Performance profiles', p('The share of scenes that an engine solves to an error within a factor of the cost of the fastest engine that does (Dolan and Moré 2002).'),
       p(study.unverified, 'note'), p(study.warning, 'warn'),
@@ -67,7 +67,7 @@ export function sweep(study) {
       table({ caption: 'Speed of the first over the second', columns: [{ name: 'pair' }, { name: 'error ≤', right: true }, { name: 'mean speed', right: true }, { name: 'both', right: true }, { name: 'first only', right: true }, { name: 'second only', right: true }, { name: 'neither', right: true }], rows: means, most: 30 })) : null,
     orders.length > 0 ? section('orders', 'Order of convergence', p('The slope of the logarithm of error over that of the time step, over runs that differ in the time step alone.'),
       table({ caption: 'Orders', columns: [{ name: 'scene' }, { name: 'engine' }, { name: 'finding' }, { name: 'order', right: true }, { name: 'time steps' }], rows: orders, most: 30 })) : null,
-    losses.length > 0 ? section('losses', 'Where plumb loses', p(study.statement, 'lead'), table({ caption: 'Levels of error at which another engine is cheaper', columns: [{ name: 'scene' }, { name: 'error ≤', right: true }, { name: 'ours', wide: true }, { name: 'other', wide: true }, { name: 'speed', right: true }, { name: '' }], rows: losses, most: 30 })) : null,
+    losses.length > 0 ? section('losses', `Where ${study.home} loses`, p(study.statement, 'lead'), table({ caption: 'Levels of error at which another engine is cheaper', columns: [{ name: 'scene' }, { name: 'error ≤', right: true }, { name: 'home', wide: true }, { name: 'other', wide: true }, { name: 'speed', right: true }, { name: '' }], rows: losses, most: 30 })) : null,
     section('method', 'How speed and error are weighed',
       p(`A point is an engine with its options at a time step on a scene. Its cost is the CPU time of the engine's steps alone for a second of simulated time, the median over its repeats; its error is the scenario's primary error, and an error below ${power(study.error_floor)} counts as that. A point of which any repeat or change was not ok has failed and has no numbers.`),
       p('A front has the points of an engine for which no other of its points is both cheaper and as exact. Nothing is extrapolated.'),

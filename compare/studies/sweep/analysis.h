@@ -4,7 +4,7 @@
  * options at a time step on a scene, over all repeats. Its cost is the CPU time of the engine's
  * steps per second of simulated time (s/s): time_per_step / dt. Its error is the scenario's primary
  * error, the largest over the scene and the changes of it that were run. Each engine is listed with
- * all its profiles together, each profile by itself, and as shipped. Ratios are above 1 where plumb
+ * all its profiles together, each profile by itself, and as shipped. Ratios are above 1 where the first of a pair
  * is ahead. */
 #ifndef PLUMB_SWEEP_ANALYSIS_H
 #define PLUMB_SWEEP_ANALYSIS_H
@@ -75,7 +75,7 @@ typedef struct pl_sweep_point {
 /* An engine, or a part of its points, as a row of the analysis. */
 typedef struct pl_sweep_engine {
     char name[128]; /* "ode", "ode:quick" */
-    bool ours;
+    bool is_home;   /* all of its configurations are of the home engine */
     pl_sweep_kind kind;
     /* Of a profile with a run whose conformance is not known to have passed: its SPEC, borrowed from
      * the results. NULL: passed. */
@@ -96,8 +96,8 @@ typedef struct pl_sweep_curve {
 /* The engines that have a point at an error or at a cost. */
 typedef enum pl_attained_by {
     PL_ATTAINED_BY_NEITHER,
-    PL_ATTAINED_BY_OURS_ONLY,
-    PL_ATTAINED_BY_OTHER_ONLY,
+    PL_ATTAINED_BY_FIRST_ONLY,
+    PL_ATTAINED_BY_SECOND_ONLY,
     PL_ATTAINED_BY_BOTH /* the sum of the two before */
 } pl_attained_by;
 
@@ -107,17 +107,17 @@ typedef struct pl_sweep_ratio {
     double value, low, high;
 } pl_sweep_ratio;
 
-/* Our engine against another on one scene. */
+/* Two engines on one scene. */
 typedef struct pl_pairwise_comparison {
     bool run; /* both were run and there is a primary error; else the other fields are undefined */
     pl_attained_by at_error[PL_SWEEP_LEVELS]; /* who has a point at or below the error */
     pl_attained_by at_cost[PL_SWEEP_TIMES];   /* who has a point that costs no more */
-    /* Cost at error, theirs over ours: of the cheapest points at or below the error, and
+    /* Cost at error, the second over the first: of the cheapest points at or below the error, and
      * interpolated between points, linearly in the logarithms, where the error lies within both
      * fronts. */
     pl_sweep_ratio speed[PL_SWEEP_LEVELS], speed_between[PL_SWEEP_LEVELS];
     double instructions[PL_SWEEP_LEVELS]; /* as `speed`; NAN: not counted */
-    /* Error at cost, theirs over ours, in the same way. */
+    /* Error at cost, the second over the first, in the same way. */
     pl_sweep_ratio exactness[PL_SWEEP_TIMES], exactness_between[PL_SWEEP_TIMES];
 } pl_pairwise_comparison;
 
@@ -132,22 +132,24 @@ typedef struct pl_sweep_scene {
     pl_pairwise_comparison *comparisons; /* (pair_count) */
 } pl_sweep_scene;
 
-/* Two engines that are compared, of the same kind. */
+/* Two engines that are compared, of the same kind: the home engine with each other one, or where a kind has no home
+ * engine, each with each. */
 typedef struct pl_sweep_pair {
-    int ours, other;
+    int first, second;
     int shipped; /* of two whole engines: the pair of both as shipped; -1: none */
     /* Over all scenes on which both were run, by level. */
     pl_sweep_ratio mean[PL_SWEEP_LEVELS]; /* geometric mean of `speed`, of scenes both reached */
-    int both[PL_SWEEP_LEVELS], ours_only[PL_SWEEP_LEVELS], other_only[PL_SWEEP_LEVELS];
+    int both[PL_SWEEP_LEVELS], first_only[PL_SWEEP_LEVELS], second_only[PL_SWEEP_LEVELS];
     int scenes;
 } pl_sweep_pair;
 
-/* A level at which another engine's front is ahead of ours: it is cheaper, or ours has no point. */
+/* A level at which the front of the second engine of a pair is ahead of the first, the home engine's: it is cheaper,
+ * or the first has no point. */
 typedef struct pl_sweep_loss {
     int scene, pair, level;
     pl_attained_by attained; /* BOTH or OTHER_ONLY */
-    int ours, other;         /* points; ours -1: not reached */
-    pl_sweep_ratio speed;    /* < 1; NAN where ours has no point */
+    int first, second;       /* points; first -1: not reached */
+    pl_sweep_ratio speed;    /* < 1; NAN where the first has no point */
     bool within_noise;       /* the interval contains 1; without one, the ratio is above 0.9 */
 } pl_sweep_loss;
 
@@ -187,17 +189,20 @@ typedef struct pl_sweep_analysis {
     const pl_result_table *results;
     pl_sweep_point *points; /* by scene, configuration, falling dt */
     int point_count;
-    pl_sweep_engine *engines; /* by kind; ours first, then by name */
+    pl_sweep_engine *engines; /* by kind; the home engine first, then by name */
     int engine_count;
     pl_sweep_scene *scenes; /* in the catalogue's order, then by name */
     int scene_count;
     pl_sweep_pair *pairs;
     int pair_count;
-    pl_sweep_loss *losses; /* of whole engines: errors up to 1e-3, then larger ones; in each those
+    /* The kind of engines that tables show pairs and losses of: whole ones, or profiles where the home engine is one
+     * profile of several. */
+    pl_sweep_kind shown;
+    pl_sweep_loss *losses; /* of the home engine: errors up to 1e-3, then larger ones; in each those
                               beyond noise first, not reached first, then by rising ratio */
     int loss_count;
     int fine_losses; /* of those up to 1e-3 */
-    int compared;    /* scene, pair of whole engines and level, where one or both are there */
+    int compared;    /* scene, pair with the home engine and level, where one or both are there */
     pl_sweep_order *orders;
     int order_count;
     pl_sweep_profile *profiles; /* whole engines by level, then profiles by level */

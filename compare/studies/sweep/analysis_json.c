@@ -51,7 +51,7 @@ static json_t *ratio_json(const pl_sweep_ratio *ratio)
 
 static const char *attained_name(pl_attained_by attained)
 {
-    static const char *const names[] = {"neither", "ours only", "other only", "both"};
+    static const char *const names[] = {"neither", "first only", "second only", "both"};
     return names[attained];
 }
 
@@ -61,7 +61,7 @@ static json_t *engines_json(const pl_sweep_analysis *analysis)
     for (int i = 0; i < analysis->engine_count; ++i) {
         const pl_sweep_engine *engine = &analysis->engines[i];
         json_array_append_new(array, json_pack("{s:o, s:b, s:b, s:b}", "name", text(engine->name),
-                                               "ours", (int)engine->ours, "all_profiles",
+                                               "home", (int)engine->is_home, "all_profiles",
                                                (int)(engine->kind == PL_SWEEP_WHOLE), "as_shipped",
                                                (int)(engine->kind == PL_SWEEP_SHIPPED)));
     }
@@ -132,8 +132,8 @@ static json_t *level_json(const pl_sweep_scene *scene, const pl_sweep_pair *pair
     const pl_pairwise_comparison *comparison = &scene->comparisons[index];
     return json_pack(
         "{s:s, s:o, s:o, s:o, s:o, s:o}", "reached", attained_name(comparison->at_error[k]),
-        "our_point", place(scene->curves[pair->ours].cheapest[k]), "other_point",
-        place(scene->curves[pair->other].cheapest[k]), "speed", ratio_json(&comparison->speed[k]),
+        "first_point", place(scene->curves[pair->first].cheapest[k]), "second_point",
+        place(scene->curves[pair->second].cheapest[k]), "speed", ratio_json(&comparison->speed[k]),
         "speed_between", ratio_json(&comparison->speed_between[k]), "instructions",
         number(comparison->instructions[k]));
 }
@@ -171,14 +171,14 @@ static json_t *comparison_json(const pl_sweep_analysis *analysis, const pl_sweep
         }
         json_array_append_new(levels, level);
     }
-    return json_pack("{s:i, s:i, s:o, s:o}", "ours", pair->ours, "other", pair->other, "levels",
+    return json_pack("{s:i, s:i, s:o, s:o}", "first", pair->first, "second", pair->second, "levels",
                      levels, "times", times_json(&scene->comparisons[index]));
 }
 
 /* Whether a pair has an entry of its own; one as shipped is in that of the whole engines. */
 static bool is_listed(const pl_sweep_analysis *analysis, int pair)
 {
-    return analysis->engines[analysis->pairs[pair].ours].kind != PL_SWEEP_SHIPPED;
+    return analysis->engines[analysis->pairs[pair].first].kind != PL_SWEEP_SHIPPED;
 }
 
 static json_t *scene_json(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene)
@@ -215,9 +215,9 @@ static json_t *scenes_json(const pl_sweep_analysis *analysis)
 static json_t *mean_json(const pl_sweep_pair *pair, int k)
 {
     return json_pack("{s:o, s:i, s:i, s:i, s:i}", "mean_speed", ratio_json(&pair->mean[k]), "both",
-                     pair->both[k], "ours_only", pair->ours_only[k], "other_only",
-                     pair->other_only[k], "neither",
-                     pair->scenes - pair->both[k] - pair->ours_only[k] - pair->other_only[k]);
+                     pair->both[k], "first_only", pair->first_only[k], "second_only",
+                     pair->second_only[k], "neither",
+                     pair->scenes - pair->both[k] - pair->first_only[k] - pair->second_only[k]);
 }
 
 static json_t *pairs_json(const pl_sweep_analysis *analysis)
@@ -236,8 +236,8 @@ static json_t *pairs_json(const pl_sweep_analysis *analysis)
             json_array_append_new(levels, level);
         }
         if (is_listed(analysis, i)) {
-            json_array_append_new(array, json_pack("{s:i, s:i, s:i, s:O}", "ours", pair->ours,
-                                                   "other", pair->other, "problems", pair->scenes,
+            json_array_append_new(array, json_pack("{s:i, s:i, s:i, s:O}", "first", pair->first,
+                                                   "second", pair->second, "problems", pair->scenes,
                                                    "levels", levels));
         }
         json_decref(levels);
@@ -254,10 +254,10 @@ static json_t *losses_json(const pl_sweep_analysis *analysis)
         json_array_append_new(
             array,
             json_pack("{s:i, s:i, s:i, s:f, s:s, s:o, s:o, s:o, s:b}", "problem", loss->scene,
-                      "ours", pair->ours, "other", pair->other, "level",
+                      "first", pair->first, "second", pair->second, "level",
                       pl_sweep_levels[loss->level], "reached", attained_name(loss->attained),
-                      "our_point", place(loss->ours), "other_point", place(loss->other), "speed",
-                      ratio_json(&loss->speed), "within_noise", (int)loss->within_noise));
+                      "first_point", place(loss->first), "second_point", place(loss->second),
+                      "speed", ratio_json(&loss->speed), "within_noise", (int)loss->within_noise));
     }
     return array;
 }

@@ -1,4 +1,4 @@
-/* Lists where the front of another engine is ahead of ours. */
+/* Lists where the front of another engine is ahead of that of the home engine. */
 #include "analysis_parts.h"
 
 #include "base/heap.h"
@@ -29,7 +29,7 @@ static int compare_losses(const void *left, const void *right)
         return a->within_noise ? 1 : -1;
     }
     if (a->attained != b->attained) {
-        return a->attained == PL_ATTAINED_BY_OTHER_ONLY ? -1 : 1;
+        return a->attained == PL_ATTAINED_BY_SECOND_ONLY ? -1 : 1;
     }
     if (a->attained == PL_ATTAINED_BY_BOTH && a->speed.value != b->speed.value) {
         return a->speed.value < b->speed.value ? -1 : 1;
@@ -46,7 +46,7 @@ static void note_loss(pl_sweep_analysis *analysis, int p, int pair, int level)
     const pl_attained_by attained = comparison->at_error[level];
     const pl_sweep_ratio *speed = &comparison->speed[level];
     analysis->compared += attained != PL_ATTAINED_BY_NEITHER;
-    if (attained != PL_ATTAINED_BY_OTHER_ONLY &&
+    if (attained != PL_ATTAINED_BY_SECOND_ONLY &&
         !(attained == PL_ATTAINED_BY_BOTH && speed->value < 1)) {
         return;
     }
@@ -55,8 +55,8 @@ static void note_loss(pl_sweep_analysis *analysis, int p, int pair, int level)
         .pair = pair,
         .level = level,
         .attained = attained,
-        .ours = scene->curves[analysis->pairs[pair].ours].cheapest[level],
-        .other = scene->curves[analysis->pairs[pair].other].cheapest[level],
+        .first = scene->curves[analysis->pairs[pair].first].cheapest[level],
+        .second = scene->curves[analysis->pairs[pair].second].cheapest[level],
         .speed = *speed,
         .within_noise = attained == PL_ATTAINED_BY_BOTH && is_within_noise(speed),
     };
@@ -68,8 +68,9 @@ void pl_list_losses(pl_sweep_analysis *analysis)
 {
     for (int p = 0; p < analysis->scene_count; ++p) {
         for (int i = 0; i < analysis->pair_count; ++i) {
-            bool whole = analysis->engines[analysis->pairs[i].ours].kind == PL_SWEEP_WHOLE;
-            for (int k = 0; k < PL_SWEEP_LEVELS && whole && analysis->scenes[p].comparisons[i].run;
+            const pl_sweep_engine *first = &analysis->engines[analysis->pairs[i].first];
+            const bool counts = first->is_home && first->kind == analysis->shown;
+            for (int k = 0; k < PL_SWEEP_LEVELS && counts && analysis->scenes[p].comparisons[i].run;
                  ++k) {
                 note_loss(analysis, p, i, k);
             }

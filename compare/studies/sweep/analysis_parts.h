@@ -37,7 +37,7 @@ typedef struct pl_front_reading {
 /* Reads a front of `count` samples at all levels and times of a sweep. */
 void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *reading);
 
-/* ---- Our engine against each other one ---- */
+/* ---- Pairs of engines ---- */
 
 /* Fills the pairs with their means, and the comparisons of each scene, from the curves. */
 void pl_compare_pairwise(pl_sweep_analysis *analysis);

@@ -203,8 +203,8 @@ static int compare_listed(const void *left, const void *right)
     if (a->kind != b->kind) {
         return a->kind < b->kind ? -1 : 1;
     }
-    if (a->ours != b->ours) {
-        return a->ours ? -1 : 1;
+    if (a->is_home != b->is_home) {
+        return a->is_home ? -1 : 1;
     }
     return strcmp(a->name, b->name);
 }
@@ -212,12 +212,13 @@ static int compare_listed(const void *left, const void *right)
 /* Adds the engine of a row, in one of its kinds, unless it is there. */
 static void list_engine(const pl_result_row *row, pl_sweep_kind kind, pl_sweep_analysis *analysis)
 {
-    pl_sweep_engine engine = {.ours = analysis->results->configurations[row->configuration].is_home,
-                              .kind = kind};
+    const bool is_home = analysis->results->configurations[row->configuration].is_home;
+    pl_sweep_engine engine = {.is_home = is_home, .kind = kind};
     name_engine(row, kind, engine.name);
     if (find_engine(analysis, engine.name, kind) < 0) {
         pl_push(&analysis->engines, &analysis->engine_count, &engine, sizeof engine);
     }
+    analysis->engines[find_engine(analysis, engine.name, kind)].is_home &= is_home;
     const json_t *record = json_object_get(row->result, "conformance");
     if (kind == PL_SWEEP_PROFILE && strcmp(pl_json_get_text(record, "outcome"), "passed") != 0) {
         analysis->engines[find_engine(analysis, engine.name, kind)].unverified = row->spec;
@@ -241,6 +242,12 @@ static void list_engines(pl_sweep_analysis *analysis)
     }
     qsort(analysis->engines, (size_t)analysis->engine_count, sizeof *analysis->engines,
           compare_listed);
+    bool has_home[PL_SWEEP_KINDS] = {false};
+    for (int i = 0; i < analysis->engine_count; ++i) {
+        has_home[analysis->engines[i].kind] |= analysis->engines[i].is_home;
+    }
+    analysis->shown =
+        has_home[PL_SWEEP_PROFILE] && !has_home[PL_SWEEP_WHOLE] ? PL_SWEEP_PROFILE : PL_SWEEP_WHOLE;
 }
 
 /* Whether results come from several builds of plumb, or of an engine. */

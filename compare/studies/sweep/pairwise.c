@@ -1,4 +1,4 @@
-/* Compares our engine with each other one, scene by scene and over all scenes.
+/* Compares engines in pairs, scene by scene and over all scenes.
  *
  * Intervals of the ratios come from the bootstrap (Efron 1979). In every replicate each point gets
  * as many repeats as it has, drawn from its own with replacement, and their medians make the
@@ -188,10 +188,10 @@ typedef struct workspace {
     double *logs; /* (pair_count x PL_SWEEP_LEVELS x PL_BOOTSTRAP_REPLICATES): sums over scenes */
 } workspace;
 
-static pl_attained_by attained_by(bool ours, bool other)
+static pl_attained_by attained_by(bool first, bool second)
 {
-    return (pl_attained_by)((ours ? PL_ATTAINED_BY_OURS_ONLY : 0) +
-                            (other ? PL_ATTAINED_BY_OTHER_ONLY : 0));
+    return (pl_attained_by)((first ? PL_ATTAINED_BY_FIRST_ONLY : 0) +
+                            (second ? PL_ATTAINED_BY_SECOND_ONLY : 0));
 }
 
 /* The replicates of an engine's readings. */
@@ -206,24 +206,24 @@ static double *logs_of(const workspace *a, int pair, int level)
     return a->logs + ((size_t)pair * PL_SWEEP_LEVELS + (size_t)level) * PL_BOOTSTRAP_REPLICATES;
 }
 
-/* Their number over ours; `offset` is the place of the number in a reading. */
-static double ratio_of(const pl_front_reading *ours, const pl_front_reading *other, size_t offset)
+/* The number of the second over that of the first; `offset` is the place of the number in a reading. */
+static double ratio_of(const pl_front_reading *first, const pl_front_reading *second, size_t offset)
 {
-    return ((const double *)other)[offset] / ((const double *)ours)[offset];
+    return ((const double *)second)[offset] / ((const double *)first)[offset];
 }
 
 static pl_sweep_ratio with_interval(const workspace *a, const pl_sweep_pair *pair, size_t offset,
                                     bool resampled)
 {
-    pl_sweep_ratio ratio = {ratio_of(&a->readings[pair->ours], &a->readings[pair->other], offset),
+    pl_sweep_ratio ratio = {ratio_of(&a->readings[pair->first], &a->readings[pair->second], offset),
                             (double)NAN, (double)NAN};
     if (!resampled || isnan(ratio.value)) {
         return ratio;
     }
-    const pl_front_reading *ours = replicates_of(a, pair->ours);
-    const pl_front_reading *other = replicates_of(a, pair->other);
+    const pl_front_reading *first = replicates_of(a, pair->first);
+    const pl_front_reading *second = replicates_of(a, pair->second);
     for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
-        a->values[replicate] = ratio_of(&ours[replicate], &other[replicate], offset);
+        a->values[replicate] = ratio_of(&first[replicate], &second[replicate], offset);
     }
     pl_bootstrap_interval(a->values, PL_BOOTSTRAP_REPLICATES, &ratio.low, &ratio.high);
     return ratio;
@@ -243,13 +243,13 @@ static void add_to_means(const workspace *a, pl_sweep_analysis *analysis, int in
                          const pl_pairwise_comparison *comparison)
 {
     pl_sweep_pair *pair = &analysis->pairs[index];
-    const pl_front_reading *ours = replicates_of(a, pair->ours);
-    const pl_front_reading *other = replicates_of(a, pair->other);
+    const pl_front_reading *first = replicates_of(a, pair->first);
+    const pl_front_reading *second = replicates_of(a, pair->second);
     ++pair->scenes;
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
         pair->both[k] += comparison->at_error[k] == PL_ATTAINED_BY_BOTH;
-        pair->ours_only[k] += comparison->at_error[k] == PL_ATTAINED_BY_OURS_ONLY;
-        pair->other_only[k] += comparison->at_error[k] == PL_ATTAINED_BY_OTHER_ONLY;
+        pair->first_only[k] += comparison->at_error[k] == PL_ATTAINED_BY_FIRST_ONLY;
+        pair->second_only[k] += comparison->at_error[k] == PL_ATTAINED_BY_SECOND_ONLY;
         if (comparison->at_error[k] != PL_ATTAINED_BY_BOTH) {
             continue;
         }
@@ -258,7 +258,7 @@ static void add_to_means(const workspace *a, pl_sweep_analysis *analysis, int in
         pair->mean[k].value += log(comparison->speed[k].value);
         for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
             logs[replicate] +=
-                known ? log(ratio_of(&ours[replicate], &other[replicate], COST + (size_t)k))
+                known ? log(ratio_of(&first[replicate], &second[replicate], COST + (size_t)k))
                       : (double)NAN;
         }
     }
@@ -268,26 +268,26 @@ static void compare_pair(const workspace *a, pl_sweep_analysis *analysis,
                          const pl_sweep_scene *scene, int index)
 {
     const pl_sweep_pair *pair = &analysis->pairs[index];
-    const pl_sweep_curve *ours = &scene->curves[pair->ours];
-    const pl_sweep_curve *other = &scene->curves[pair->other];
+    const pl_sweep_curve *first = &scene->curves[pair->first];
+    const pl_sweep_curve *second = &scene->curves[pair->second];
     pl_pairwise_comparison *comparison = &scene->comparisons[index];
-    comparison->run = scene->primary_error[0] != '\0' && pl_sweep_curve_was_run(ours) &&
-                      pl_sweep_curve_was_run(other);
+    comparison->run = scene->primary_error[0] != '\0' && pl_sweep_curve_was_run(first) &&
+                      pl_sweep_curve_was_run(second);
     if (!comparison->run) {
         return;
     }
     bool resampled = !isnan(scene->noise);
     for (size_t k = 0; k < PL_SWEEP_LEVELS; ++k) {
-        comparison->at_error[k] = attained_by(ours->cheapest[k] >= 0, other->cheapest[k] >= 0);
+        comparison->at_error[k] = attained_by(first->cheapest[k] >= 0, second->cheapest[k] >= 0);
         comparison->speed[k] = with_interval(a, pair, COST + k, resampled);
         comparison->speed_between[k] = with_interval(a, pair, COST_BETWEEN + k, resampled);
         comparison->instructions[k] = comparison->at_error[k] == PL_ATTAINED_BY_BOTH
-                                          ? analysis->points[other->cheapest[k]].instructions /
-                                                analysis->points[ours->cheapest[k]].instructions
+                                          ? analysis->points[second->cheapest[k]].instructions /
+                                                analysis->points[first->cheapest[k]].instructions
                                           : (double)NAN;
     }
     for (size_t k = 0; k < PL_SWEEP_TIMES; ++k) {
-        comparison->at_cost[k] = attained_by(ours->most_exact[k] >= 0, other->most_exact[k] >= 0);
+        comparison->at_cost[k] = attained_by(first->most_exact[k] >= 0, second->most_exact[k] >= 0);
         comparison->exactness[k] = with_interval(a, pair, ERROR + k, resampled);
         comparison->exactness_between[k] = with_interval(a, pair, ERROR_BETWEEN + k, resampled);
     }
@@ -342,24 +342,38 @@ static int shipped_of(const pl_sweep_analysis *analysis, int whole)
 /* Finds the pair of the same two engines as shipped. */
 static void link_shipped(const pl_sweep_analysis *analysis, pl_sweep_pair *pair)
 {
-    if (analysis->engines[pair->ours].kind != PL_SWEEP_WHOLE) {
+    if (analysis->engines[pair->first].kind != PL_SWEEP_WHOLE) {
         return;
     }
-    const int ours = shipped_of(analysis, pair->ours), other = shipped_of(analysis, pair->other);
-    for (int i = 0; i < analysis->pair_count && ours >= 0 && other >= 0; ++i) {
-        if (analysis->pairs[i].ours == ours && analysis->pairs[i].other == other) {
+    const int first = shipped_of(analysis, pair->first);
+    const int second = shipped_of(analysis, pair->second);
+    for (int i = 0; i < analysis->pair_count && first >= 0 && second >= 0; ++i) {
+        if (analysis->pairs[i].first == first && analysis->pairs[i].second == second) {
             pair->shipped = i;
         }
     }
 }
 
+/* Whether the engine is compared with others of its kind as the first of a pair: the home engine, or each where its
+ * kind has none. */
+static bool is_first(const pl_sweep_analysis *analysis, int engine)
+{
+    const pl_sweep_engine *own = &analysis->engines[engine];
+    bool has_home = false;
+    for (int i = 0; i < analysis->engine_count; ++i) {
+        has_home |= analysis->engines[i].kind == own->kind && analysis->engines[i].is_home;
+    }
+    return own->is_home || !has_home;
+}
+
 static void make_pairs(pl_sweep_analysis *analysis)
 {
     for (int i = 0; i < analysis->engine_count; ++i) {
-        for (int k = 0; k < analysis->engine_count; ++k) {
+        const bool first = is_first(analysis, i);
+        for (int k = i + 1; k < analysis->engine_count && first; ++k) {
             const pl_sweep_engine *a = &analysis->engines[i], *b = &analysis->engines[k];
-            if (a->ours && !b->ours && a->kind == b->kind) {
-                const pl_sweep_pair pair = {.ours = i, .other = k, .shipped = -1};
+            if (a->kind == b->kind && !(a->is_home && b->is_home)) {
+                const pl_sweep_pair pair = {.first = i, .second = k, .shipped = -1};
                 pl_push(&analysis->pairs, &analysis->pair_count, &pair, sizeof pair);
             }
         }
