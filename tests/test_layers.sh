@@ -50,7 +50,7 @@ compare/studies:             HARNESS adapters engines metrics results runner
 compare/studies/sweep:       HARNESS adapters engines metrics results runner compare/studies
 compare/studies/tune:        HARNESS adapters engines metrics results runner compare/studies
 compare/studies/threshold:   HARNESS engines results runner compare/studies
-compare/studies/ensemble:    HARNESS engines metrics results runner compare/studies
+compare/studies/ensemble:    HARNESS engines geometry metrics results runner compare/studies
 compare/studies/reference:   HARNESS adapters engines metrics results runner ensemble
 compare/studies/metamorphic: HARNESS engines geometry results runner compare/studies
 compare/studies/iterations:  HARNESS adapters engines metrics results runner compare/studies

@@ -123,6 +123,21 @@ static bool is_wanted(const pl_result_table_def *def, const pl_result_row *row)
            (def->study == NULL ? study == NULL : strcmp(name, def->study) == 0);
 }
 
+/* What tells scenes apart. Runs of a study that say of themselves what they are, are of scenes of their own: a scene
+ * that begins in the middle of another run depends on the engine. */
+static char *scene_key(const pl_case_identity *identity, const json_t *study)
+{
+    char *key = pl_case_key(identity);
+    if (study == NULL) {
+        return key;
+    }
+    char *text = pl_result_to_line(study);
+    char *both = pl_heap_format("%s%s", key, text);
+    free(key);
+    free(text);
+    return both;
+}
+
 static pl_status read_file(const pl_result_table_def *def, int index, pl_result_table *table,
                            pl_error *error)
 {
@@ -139,7 +154,7 @@ static pl_status read_file(const pl_result_table_def *def, int index, pl_result_
         status = check_row(&row, file->path, error);
         if (status == PL_OK && is_wanted(def, &row)) {
             const pl_case_identity identity = pl_result_row_scene(&row);
-            row.key = pl_case_key(&identity);
+            row.key = scene_key(&identity, json_object_get(row.result, "study"));
             pl_push(&table->rows, &table->row_count, &row, sizeof row);
         }
     }

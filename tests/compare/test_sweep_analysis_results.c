@@ -1,5 +1,6 @@
 /* From rows of results to points: what makes one, what has no numbers, what is broken. */
 #include "check.h"
+#include "result_tables.h"
 #include "studies/sweep/analysis.h"
 #include "sweep_analysis_rows.h"
 
@@ -260,19 +261,20 @@ static void test_nothing_is_an_empty_analysis(void **state)
     finish_sweep(&analysis, results);
 }
 
-static void test_several_processors_and_versions_are_noted(void **state)
+static void test_several_processors_and_builds_are_noted(void **state)
 {
     (void)state;
-    json_t *results = crossing_sweep();
+    json_t *results = crossing_sweep(), *later = json_deep_copy(results);
     pl_sweep_analysis analysis = analysis_of(results);
     assert_false(analysis.several_hosts || analysis.several_builds);
     pl_sweep_analysis_free(&analysis);
     json_object_set_new(json_object_get(json_array_get(results, 1), "host"), "cpu",
                         json_string("two"));
-    json_object_set_new(json_array_get(results, 2), "engine_version", json_string("2.0"));
-    analysis = analysis_of(results);
+    json_object_set_new(json_array_get(later, 2), "engine_version", json_string("2.0"));
+    pl_sweep_analyse(table_of_two(results, later, false, "plumb"), &analysis);
     assert_true(analysis.several_hosts && analysis.several_builds);
     finish_sweep(&analysis, results);
+    json_decref(later);
 }
 
 int main(void)
@@ -289,7 +291,7 @@ int main(void)
         cmocka_unit_test(test_instructions_are_for_a_simulated_second),
         cmocka_unit_test(test_order_and_doubles_of_rows_do_not_matter),
         cmocka_unit_test(test_nothing_is_an_empty_analysis),
-        cmocka_unit_test(test_several_processors_and_versions_are_noted),
+        cmocka_unit_test(test_several_processors_and_builds_are_noted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -95,13 +95,16 @@ void pl_horizon_find(const char *folder, const json_t *runs, double least_size, 
 {
     const int members = (int)json_array_size(runs);
     track *tracks = pl_heap_new((size_t)members, sizeof *tracks);
+    const track *first = NULL;
     int open = 0;
     *horizon = (pl_horizon){.threshold = share_of_size * least_size};
     for (int k = 0; k < members; ++k) {
         const char *run = json_string_value(json_array_get(runs, (size_t)k));
-        const bool is_open = open_track(folder, run, &tracks[k]);
-        open += is_open && tracks[k].reader.bodies == tracks[0].reader.bodies &&
-                tracks[k].reader.interval == tracks[0].reader.interval;
+        if (open_track(folder, run, &tracks[k])) {
+            first = first == NULL ? &tracks[k] : first;
+            open += tracks[k].reader.bodies == first->reader.bodies &&
+                    tracks[k].reader.interval == first->reader.interval;
+        }
     }
     if (open == members && members > 1) {
         follow(tracks, members, horizon);
