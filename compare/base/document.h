@@ -63,7 +63,7 @@ void pl_document_table(pl_document *document, const char *caption, pl_table *tab
 
 /* ---- Plots ---- */
 
-/* What a plot draws for each row. */
+/* The kinds of plots, by the drawing of a row. */
 typedef enum pl_plot_kind {
     PL_PLOT_INTERVALS, /* numbers low, value, high along x: a bar with a dot */
     PL_PLOT_SAMPLES,   /* any numbers along x: their quartiles and dots */

@@ -1,6 +1,6 @@
 /* Memory of the program. Where none is left these functions end the process with exit code 3 and a message, so
  * their callers have no such case: the runs that ended are on disk, and each engine runs in a process of its own.
- * Libraries that adapters link report PL_NO_MEMORY instead. What is returned is never NULL, and the caller frees
+ * Libraries that adapters link report PL_NO_MEMORY instead. A returned pointer is never NULL, and the caller frees
  * it. */
 #ifndef PLUMB_HEAP_H
 #define PLUMB_HEAP_H

@@ -24,13 +24,14 @@ static bool read_values(const char *text, size_t length, json_t *values, json_er
     return true;
 }
 
-/* The word of the schema of a study, or of its first row. */
+/* The word of the schema of a study, or of its first row. A sweep's earlier form is none: its results make it again. */
 static bool find_kind(const json_t *study, char kind[PL_STUDY_KIND_SIZE])
 {
     const json_t *row = json_is_array(study) ? json_array_get(study, 0) : study;
     char rest[8];
     return sscanf(pl_json_get_text(row, "schema"), "plumb.%31[a-z_]/%7[0-9]", kind, rest) == 2 &&
-           strcmp(kind, "result") != 0 && strcmp(kind, "recording") != 0;
+           strcmp(kind, "result") != 0 && strcmp(kind, "recording") != 0 &&
+           (strcmp(kind, "sweep") != 0 || strcmp(rest, "2") == 0);
 }
 
 pl_status pl_study_read(const char *path, json_t **study, char kind[PL_STUDY_KIND_SIZE],

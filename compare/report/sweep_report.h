@@ -7,11 +7,11 @@
 
 #include <stdio.h>
 
-/* The analysis as plumb.sweep/1, with what is said of it in words: a new reference; NULL when out of
+/* The analysis as plumb.sweep/2, with what is said of it in words: a new reference; NULL when out of
  * memory. */
 json_t *pl_sweep_report_json(const pl_sweep_analysis *analysis);
 
-/* Writes sweep.html and sweep.json (plumb.sweep/1) into `directory`, which must exist; each file is
+/* Writes sweep.html and sweep.json (plumb.sweep/2) into `directory`, which must exist; each file is
  * renamed to its place when it is complete. PL_IO: one cannot be written. PL_NO_MEMORY. */
 pl_status pl_sweep_report_write(const char *directory, const pl_sweep_analysis *analysis,
                                 pl_error *error);

@@ -288,7 +288,7 @@ def heap_speed(program):
     """CPU time for a simulated second at the same overlap, relative to the fastest setting of plumb."""
     out = program.directory / "heap_speed"
     program.call("sweep", "wall-collapse", "falling-cubes", "pile", "container", "--duration", "4", "--changes", "0", "--home", "plumb",
-                 "--jobs", "2", "--home", "plumb", "--resume", "--out", str(out))
+                 "--jobs", "2", "--resume", "--out", str(out))
     best = {}
     for line in (out / "results.jsonl").read_text(encoding="utf-8").splitlines():
         result = json.loads(line)
@@ -407,41 +407,41 @@ def factor(at):
     return f"× {value} ({low} to {high})"
 
 
-def settings_of(problem, sweep, best):
+def settings_of(scene, sweep, best):
     """One row for each engine: its best point at the least error of SWEEP_LEVELS that it reaches."""
     rows = []
     for engine, points in best.items():
         level = min((level for level in SWEEP_LEVELS if points[level] is not None), default=None)
         name = sweep["engines"][engine]["name"]
         if level is None:
-            (curve,) = [curve for curve in problem["curves"] if curve["engine"] == engine]
-            rows.append([problem["name"], name, "–", f"not with {curve['settings']} settings"])
+            (curve,) = [curve for curve in scene["curves"] if curve["engine"] == engine]
+            rows.append([scene["name"], name, "–", f"not with {curve['settings']} settings"])
         else:
             point = sweep["points"][points[level]]
             label = point["label"].replace(",", ", ")
-            rows.append([problem["name"], name, power(level), f"{label} at 1/{1 / point['dt']:.0f} s"])
+            rows.append([scene["name"], name, power(level), f"{label} at 1/{1 / point['dt']:.0f} s"])
     return rows
 
 
 def sweep(program):
     """Speed at the same error, as shipped and at each engine's best, and the settings that were best."""
     out = program.directory / "sweep"
-    program.call("sweep", "--suite", "canonical", "--jobs", "2", "--resume", "--out", str(out))
+    program.call("sweep", "--suite", "canonical", "--jobs", "2", "--home", "plumb", "--resume", "--out", str(out))
     found = json.loads((out / "sweep.json").read_text(encoding="utf-8"))
     names = [engine["name"] for engine in found["engines"] if engine["all_profiles"] and not engine["home"]]
     factors, settings = [], []
-    for problem in found["problems"]:
-        duels = [duel for duel in problem["duels"] if found["engines"][duel["second"]]["name"] in names]
+    for scene in found["scenes"]:
+        pairs = [pair for pair in scene["pairs"] if found["engines"][pair["second"]]["name"] in names]
         best = {}
         for wanted in SWEEP_LEVELS:
-            row = [problem["name"], power(wanted)]
-            for duel in duels:
-                (level,) = [level for level in duel["levels"] if level["level"] == wanted]
+            row = [scene["name"], power(wanted)]
+            for pair in pairs:
+                (level,) = [level for level in pair["levels"] if level["level"] == wanted]
                 row.append(f"{factor(level['as_shipped'])}<br>{factor(level)}")
-                best.setdefault(duel["first"], {})[wanted] = level["first_point"]
-                best.setdefault(duel["second"], {})[wanted] = level["second_point"]
+                best.setdefault(pair["first"], {})[wanted] = level["first_point"]
+                best.setdefault(pair["second"], {})[wanted] = level["second_point"]
             factors.append(row)
-        settings += settings_of(problem, found, best)
+        settings += settings_of(scene, found, best)
     print_table(["scenario", "error", *names], factors)
     print_table(["scenario", "engine", "error", "best settings"], settings, align="---")
 

@@ -13,14 +13,14 @@ def cells(path):
     with open(path, encoding="utf-8") as file:
         sweep = json.load(file)
     found = {}
-    for problem in sweep["problems"]:
-        for duel in problem["duels"]:
-            pair = (problem["name"], duel["first"], duel["second"])
-            for at in duel["levels"]:
+    for scene in sweep["scenes"]:
+        for matched in scene["pairs"]:
+            pair = (scene["name"], matched["first"], matched["second"])
+            for at in matched["levels"]:
                 found["speed", pair, at["level"]] = at["speed"]
                 if "as_shipped" in at:
                     found["shipped", pair, at["level"]] = at["as_shipped"]["speed"]
-            for at in duel["times"]:
+            for at in matched["times"]:
                 found["error", pair, at["time"]] = at["exactness"]
     for pair in sweep["pairs"]:
         for at in pair["levels"]:

@@ -45,10 +45,10 @@ def page(path):
 
 def sweep(path):
     data = json.load(open(path))
-    keys = ("label", "dt", "state", "outcome", "reason", "repeats", "changes", "error_as_found", "problem")
+    keys = ("label", "dt", "state", "outcome", "reason", "repeats", "changes", "error_as_found", "scene")
     points = [{key: point.get(key) for key in keys} for point in data["points"]]
     return [data["runs"], data["several_builds"], [engine["name"] for engine in data["engines"]],
-            [scene["name"] for scene in data["problems"]], points]
+            [scene["name"] for scene in data["scenes"]], points]
 
 READERS = {"page": page, "sweep": sweep, "json": lambda path: json.load(open(path)),
            "tune": lambda path: [[row["metrics"], row["outcome"]] for row in json.load(open(path))["on"]]}
@@ -57,7 +57,7 @@ END
 
 # changed NAME KIB KIND OUTPUT ARGUMENT...: `plumb ARGUMENT...` is made for the old scene, goes on for the new one, and
 # finds what a new study finds; the same for the old and the new engine. Where KIB is not 0 the first part breaks off
-# where its file has so many KiB.
+# where its file has reached that size.
 changed() {
     local name=$1 kib=$2 kind=$3 output=$4 what actual
     shift 4

@@ -113,7 +113,7 @@ static void test_factor_as_shipped_and_at_the_best(void **state)
     assert_close(analysis.pairs[pair->shipped].mean[AT_1E_3].value, 3, 0, 1e-12);
     json_t *json = pl_sweep_to_json(&analysis);
     const json_t *duel = json_array_get(
-        json_object_get(json_array_get(json_object_get(json, "problems"), 0), "duels"), 0);
+        json_object_get(json_array_get(json_object_get(json, "scenes"), 0), "pairs"), 0);
     const json_t *level = json_array_get(json_object_get(duel, "levels"), AT_1E_3);
     const json_t *as_shipped = json_object_get(level, "as_shipped");
     assert_close(json_number_value(json_object_get(json_object_get(level, "speed"), "value")), 1.5,

@@ -180,7 +180,7 @@ static void test_files_are_written(void **state)
     snprintf(path, sizeof path, "%s/sweep.json", directory);
     json_t *json = json_load_file(path, 0, NULL);
     assert_non_null(json);
-    assert_string_equal(json_string_value(json_object_get(json, "schema")), "plumb.sweep/1");
+    assert_string_equal(json_string_value(json_object_get(json, "schema")), "plumb.sweep/2");
     assert_int_equal(json_array_size(json_object_get(json, "points")), 8);
     assert_int_equal(json_array_size(json_object_get(json, "losses")), 2);
     assert_int_equal(json_array_size(json_object_get(json, "profiles")), 16);

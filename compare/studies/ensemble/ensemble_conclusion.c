@@ -293,7 +293,7 @@ static json_t *view_json(const group *g, const pl_ensemble_view *view)
                   pl_json_number_or_null(kept->energy_growth), "fell_through", kept->fell_through,
                   "not_finite", kept->not_finite);
     return json_pack(
-        "{s:i, s:O, s:O, s:o, s:O, s:O, s:b, s:O, s:O, s:i, s:o, s:o, s:o, s:o}", "problem",
+        "{s:i, s:O, s:O, s:o, s:O, s:O, s:b, s:O, s:O, s:i, s:o, s:o, s:o, s:o}", "case",
         view->ensemble.test_case, "scenario", json_object_get(first, "scenario"), "params",
         json_object_get(study, "case"), "name", pl_json_text(view->name, strlen(view->name)),
         "label", json_object_get(first, "label"), "setting", json_object_get(study, "setting"),

@@ -22,12 +22,12 @@ static int integer_of(const json_t *object, const char *key)
 /* What the document says of one scene. */
 typedef struct scene {
     const json_t *conclusion, *ensembles; /* of all scenes */
-    int number;                           /* `problem` of its ensembles */
+    int number;                           /* `case` of its ensembles */
 } scene;
 
 static bool has(const scene *s, const json_t *ensemble)
 {
-    return integer_of(ensemble, "problem") == s->number;
+    return integer_of(ensemble, "case") == s->number;
 }
 
 /* The ensemble that a comparison has as `key`, "a" or "b". */
@@ -235,7 +235,7 @@ static void add_differences(const scene *s, pl_document *document)
     }
 }
 
-/* The scene of which `first` is an ensemble. */
+/* The scene of the ensemble `first`. */
 static void add_scene(const scene *s, const json_t *first, pl_document *document)
 {
     char *params = pl_study_params(json_object_get(first, "params"));
@@ -283,8 +283,8 @@ static void fill_document(const json_t *conclusion, pl_document *document)
     s.number = -1;
     json_array_foreach((json_t *)s.ensembles, index, ensemble)
     {
-        if (integer_of(ensemble, "problem") > s.number) {
-            s.number = integer_of(ensemble, "problem");
+        if (integer_of(ensemble, "case") > s.number) {
+            s.number = integer_of(ensemble, "case");
             add_scene(&s, ensemble, document);
         }
     }

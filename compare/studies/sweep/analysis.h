@@ -234,7 +234,7 @@ bool pl_sweep_curve_was_run(const pl_sweep_curve *curve);
 double pl_sweep_share(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
                       int engine, double tau);
 
-/* The analysis as one JSON object, plumb.sweep/1 (SCHEMA.md): a new reference. */
+/* The analysis as one JSON object, plumb.sweep/2 (SCHEMA.md): a new reference. */
 json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis);
 
 #endif

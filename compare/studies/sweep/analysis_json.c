@@ -1,4 +1,4 @@
-/* The analysis of a sweep as plumb.sweep/1. */
+/* The analysis of a sweep as plumb.sweep/2. */
 #include "analysis.h"
 
 #include "results/result.h"
@@ -76,7 +76,7 @@ static json_t *point_json(const pl_sweep_point *point)
         json_array_append_new(costs, json_real(point->samples[i].cost));
     }
     json_t *object = json_pack(
-        "{s:i, s:i, s:i, s:o, s:O?, s:f, s:s, s:o, s:o, s:i}", "problem", point->scene, "engine",
+        "{s:i, s:i, s:i, s:o, s:O?, s:f, s:s, s:o, s:o, s:i}", "scene", point->scene, "engine",
         point->engines[PL_SWEEP_WHOLE], "profile", point->engines[PL_SWEEP_PROFILE], "label",
         text(point->label), "settings", json_object_get(point->row, "settings"), "dt", point->dt,
         "state", states[point->state], "outcome", text(point->outcome), "reason",
@@ -200,7 +200,7 @@ static json_t *scene_json(const pl_sweep_analysis *analysis, const pl_sweep_scen
                      "scenario", text(scene->scenario), "params", params, "seed",
                      json_object_get(scene->row, "seed"), "primary_error",
                      text(scene->primary_error), "unit", text(scene->unit), "noise",
-                     number(scene->noise), "curves", curves, "duels", comparisons);
+                     number(scene->noise), "curves", curves, "pairs", comparisons);
 }
 
 static json_t *scenes_json(const pl_sweep_analysis *analysis)
@@ -237,7 +237,7 @@ static json_t *pairs_json(const pl_sweep_analysis *analysis)
         }
         if (is_listed(analysis, i)) {
             json_array_append_new(array, json_pack("{s:i, s:i, s:i, s:O}", "first", pair->first,
-                                                   "second", pair->second, "problems", pair->scenes,
+                                                   "second", pair->second, "scenes", pair->scenes,
                                                    "levels", levels));
         }
         json_decref(levels);
@@ -253,7 +253,7 @@ static json_t *losses_json(const pl_sweep_analysis *analysis)
         const pl_sweep_pair *pair = &analysis->pairs[loss->pair];
         json_array_append_new(
             array,
-            json_pack("{s:i, s:i, s:i, s:f, s:s, s:o, s:o, s:o, s:b}", "problem", loss->scene,
+            json_pack("{s:i, s:i, s:i, s:f, s:s, s:o, s:o, s:o, s:b}", "scene", loss->scene,
                       "first", pair->first, "second", pair->second, "level",
                       pl_sweep_levels[loss->level], "reached", attained_name(loss->attained),
                       "first_point", place(loss->first), "second_point", place(loss->second),
@@ -270,7 +270,7 @@ static json_t *orders_json(const pl_sweep_analysis *analysis)
         const pl_sweep_order *order = &analysis->orders[i];
         json_array_append_new(
             array,
-            json_pack("{s:i, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:i, s:i}", "problem", order->scene,
+            json_pack("{s:i, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:i, s:i}", "scene", order->scene,
                       "engine", order->engine, "point", order->first, "finding", kinds[order->kind],
                       "order", number(order->order), "deviation", number(order->deviation),
                       "dt_low", number(order->dt_low), "dt_high", number(order->dt_high), "used",
@@ -294,7 +294,7 @@ static json_t *profiles_json(const pl_sweep_analysis *analysis)
         }
         json_array_append_new(array, json_pack("{s:f, s:b, s:i, s:o}", "level",
                                                pl_sweep_levels[profile->level], "all_profiles",
-                                               (int)(profile->kind == PL_SWEEP_WHOLE), "problems",
+                                               (int)(profile->kind == PL_SWEEP_WHOLE), "scenes",
                                                profile->scenes, "engines", engines));
     }
     return array;
@@ -304,11 +304,11 @@ json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis)
 {
     return json_pack(
         "{s:s, s:i, s:f, s:i, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "schema",
-        "plumb.sweep/1", "runs", analysis->run_count, "error_floor", pl_sweep_error_floor, "draws",
+        "plumb.sweep/2", "runs", analysis->run_count, "error_floor", pl_sweep_error_floor, "draws",
         PL_BOOTSTRAP_REPLICATES, "levels", numbers(pl_sweep_levels, PL_SWEEP_LEVELS), "times",
         numbers(pl_sweep_times, PL_SWEEP_TIMES), "several_hosts", (int)analysis->several_hosts,
         "several_builds", (int)analysis->several_builds, "engines", engines_json(analysis),
         "losses", losses_json(analysis), "pairs", pairs_json(analysis), "profiles",
-        profiles_json(analysis), "orders", orders_json(analysis), "problems", scenes_json(analysis),
+        profiles_json(analysis), "orders", orders_json(analysis), "scenes", scenes_json(analysis),
         "points", points_json(analysis));
 }
