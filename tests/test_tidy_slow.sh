@@ -3,8 +3,9 @@
 set -eu
 command -v clang-tidy >/dev/null || exit 77
 cd "$SOURCE"
-find engine scenarios compare -name '*.c' -print0 |
-    xargs -0 -P "$(nproc)" -n 4 clang-tidy -p "$BUILD" --quiet 2>/dev/null | sed "s#$SOURCE/##" >"$BUILD/tidy.txt" || true
+# Of a file that the build does not have, clang-tidy would guess how to compile it.
+sed -n "s#^ *\"file\": \"$SOURCE/\(.*\.c\)\".*#\1#p" "$BUILD/compile_commands.json" | grep -E '^(engine|scenarios|compare)/' | sort -u |
+    xargs -P "$(nproc)" -n 4 clang-tidy -p "$BUILD" --quiet 2>/dev/null | sed "s#$SOURCE/##" >"$BUILD/tidy.txt" || true
 if grep -q 'error:' "$BUILD/tidy.txt"; then
     grep 'error:' "$BUILD/tidy.txt" | sort -u >&2
     exit 1

@@ -13,7 +13,7 @@ const pl_study *const *pl_studies(int *count)
 #define STUDY(name) &pl_##name##_study,
 #include "commands.def"
     };
-    *count = (int)(sizeof studies / sizeof *studies);
+    *count = (int)(sizeof studies / sizeof(const pl_study *));
     return studies;
 }
 

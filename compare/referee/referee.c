@@ -20,7 +20,7 @@ static const pl_module *const modules[] = {
     PL_MODULES(MODULE)
 #undef MODULE
 };
-enum { MODULE_COUNT = sizeof modules / sizeof *modules };
+enum { MODULE_COUNT = sizeof modules / sizeof(const pl_module *) };
 
 struct pl_referee {
     pl_arena arena; /* all memory of what stands below */

@@ -312,7 +312,7 @@ const pl_result_row **pl_result_table_by_place(const pl_result_table *table)
     for (int i = 0; i < table->row_count; ++i) {
         rows[i] = &table->rows[i];
     }
-    qsort(rows, (size_t)table->row_count, sizeof *rows, compare_places);
+    qsort(rows, (size_t)table->row_count, sizeof(const pl_result_row *), compare_places);
     return rows;
 }
 

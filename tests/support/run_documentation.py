@@ -30,7 +30,7 @@ REDUCED = (
     (r"^plumb compare .*--suite", "--duration 0.1 --timeout 1"),
     (r"^plumb (compare|sweep|metamorphic) (?!compare/examples/)", "--duration 0.1"),
     (r"^plumb run (pile|blocks) ", "--duration 0.02"),
-    (r"^plumb tune ", "--budget 20 --duration 0.5"),
+    (r"^plumb tune ", "--budget 40 --duration 0.5"),
     (r"^plumb ensemble ", "--duration 0.2"),
     (r"^plumb threshold ", "--timeout 20"),
     # The page of the template has the same engine run all checks.

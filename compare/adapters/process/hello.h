@@ -36,7 +36,7 @@ const char *pl_hello_precision(pl_precision precision);
 const char *pl_hello_integrator(pl_integrator integrator);
 
 /* The words of an answer for PL_CONTACTS_* bits, a new array. */
-json_t *pl_hello_contacts(uint32_t contacts);
+json_t *pl_hello_contacts(uint32_t reported);
 
 /* The member `tune` of an option, a new reference: the range in which plumb tune varies it, and in which
  * of profiles[count]; NULL: in none. */

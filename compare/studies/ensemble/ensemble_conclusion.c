@@ -136,8 +136,8 @@ static void group_results(conclusion *c, const json_t *results)
     c->members = most_members(results);
     json_array_foreach((json_t *)results, index, result)
     {
-        if (integer_of(result, "member") / c->members ==
-            integer_of(json_object_get(result, "study"), "setting")) {
+        if (c->members > 0 && integer_of(result, "member") / c->members ==
+                                  integer_of(json_object_get(result, "study"), "setting")) {
             add_result(c, result);
         }
     }

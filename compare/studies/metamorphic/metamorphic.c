@@ -329,7 +329,8 @@ static void end_pair(pair *p)
 }
 
 pl_status pl_metamorphic_run(const pl_plan *plan, const bool *chosen, const pl_execution_def *how,
-                             int *signal_number, pl_error *error)
+                             int *signal_number, /* NOLINT(readability-non-const-parameter) */
+                             pl_error *error)
 {
     work w = {.chosen = chosen,
               .how = how,

@@ -326,13 +326,13 @@ static void add_point(const pl_result_cell *const *cells, int count, pl_sweep_an
     for (int i = 0; i < count; ++i) {
         for (int k = 0; k < cells[i]->count; ++k) {
             const pl_result_row *row = &cells[i]->rows[k];
-            pl_push(&rows, &row_count, &row, sizeof row);
+            pl_push(&rows, &row_count, &row, sizeof(const pl_result_row *));
         }
     }
     pl_sweep_point point = {.scene = analysis->scene_count - 1,
                             .configuration = cells[0]->configuration,
-                            .dt = rows[0]->dt,
-                            .hash = hash_of(rows[0])};
+                            .dt = cells[0]->rows->dt,
+                            .hash = hash_of(cells[0]->rows)};
     for (int kind = 0; kind < PL_SWEEP_KINDS; ++kind) {
         char name[128];
         name_engine(rows[0], (pl_sweep_kind)kind, name);
@@ -369,10 +369,12 @@ static void add_points(const pl_result_scene *scene, pl_sweep_analysis *analysis
     for (int i = 0; i < scene->count; ++i) {
         for (int k = 0; k < scene->cases[i].count; ++k) {
             const pl_result_cell *cell = &scene->cases[i].cells[k];
-            pl_push(&cells, &count, &cell, sizeof cell);
+            pl_push(&cells, &count, &cell, sizeof(const pl_result_cell *));
         }
     }
-    qsort(cells, (size_t)count, sizeof *cells, compare_cells);
+    if (count > 0) {
+        qsort(cells, (size_t)count, sizeof(const pl_result_cell *), compare_cells);
+    }
     for (int first = 0, next; first < count; first = next) {
         for (next = first + 1; next < count && is_of_same_point(cells[next - 1], cells[next]);) {
             ++next;
