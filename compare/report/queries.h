@@ -1,4 +1,4 @@
-/* What reports ask of a table of results. */
+/* Questions of reports to a table of results. */
 #ifndef PLUMB_REPORT_QUERIES_H
 #define PLUMB_REPORT_QUERIES_H
 

@@ -1,5 +1,5 @@
-/* What identifies a case, and its name: the same for results and for rows of a baseline. Parameters at their
- * defaults do not count, so that one that a scenario gets later makes no old row another case. */
+/* The key and the name of a case: the same for results and for rows of a baseline. Parameters at their defaults do not
+ * count, so that one that a scenario gets later makes no old row another case. */
 #ifndef PLUMB_CASE_NAME_H
 #define PLUMB_CASE_NAME_H
 
@@ -10,7 +10,7 @@
 
 enum { PL_CASE_NAME_SIZE = 256 };
 
-/* What a case is of. Everything is borrowed. */
+/* A case, by the values that identify it. Everything is borrowed. */
 typedef struct pl_case_identity {
     const char *scenario;
     const pl_scenario *catalogue; /* NULL: a scene file, or unknown here */
@@ -25,7 +25,7 @@ typedef struct pl_case_identity {
 char *pl_case_key(const pl_case_identity *identity);
 
 /* Writes the scenario with the parameters that are off their defaults (of a scene file, whose defaults are not known
- * here, all), the seed where it is not 0, and the member: "slope angle=0.5 rad seed=3". */
+ * here, all), a seed other than 0, and the member: "slope angle=0.5 rad seed=3". */
 void pl_case_name(const pl_case_identity *identity, char name[PL_CASE_NAME_SIZE]);
 
 /* Appends formatted text to a name, as much as it has room for. */

@@ -1,6 +1,6 @@
 /* A measured number (time, memory) becomes a median with its median absolute deviation, which a
  * single disturbed repeat does not move. A deterministic number must be the same in every repeat,
- * bit for bit; where it is not, the summary is marked. */
+ * bit for bit; otherwise the summary is marked. */
 #include "metric_summary.h"
 
 #include "base/heap.h"
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The metric in each repeat, NULL where it is absent, and room for a number of each. */
+/* The metric in each repeat (NULL: absent), and room for a number of each. */
 typedef struct repeats {
     const json_t **metrics; /* (count) */
     double *numbers;        /* (count) */

@@ -318,7 +318,7 @@ static uint64_t hash_of(const pl_result_row *row)
     return pl_hash_text(hash_json(hash_json(PL_HASH_START, scene), series), dt);
 }
 
-/* A point's cells, which are neighbours: that of the scene itself, then those of its changes. */
+/* Adds the point of neighbouring cells: first the scene itself, then its changes. */
 static void add_point(const pl_result_cell *const *cells, int count, pl_sweep_analysis *analysis)
 {
     const pl_result_row **rows = NULL;
