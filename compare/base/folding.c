@@ -143,14 +143,12 @@ FILE *pl_folding_begin(pl_folding *folding, FILE *out)
 
 void pl_folding_end(pl_folding *folding)
 {
-    pl_text_buffer buffer = {0};
+    pl_text_buffer folded = {0};
     if (fclose(folding->in) != 0) {
         pl_out_of_memory();
     }
-    pl_text_add_folded(&buffer, folding->text, pl_window_width(folding->out));
-    char *folded = pl_text_take(&buffer);
-    fputs(folded, folding->out);
-    free(folded);
+    pl_text_add_folded(&folded, folding->text, pl_window_width(folding->out));
+    pl_text_print(&folded, folding->out);
     free(folding->text);
     *folding = (pl_folding){.out = NULL};
 }

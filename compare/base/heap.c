@@ -78,3 +78,10 @@ char *pl_text_take(pl_text_buffer *text)
     *text = (pl_text_buffer){0};
     return taken;
 }
+
+void pl_text_print(pl_text_buffer *text, FILE *out)
+{
+    char *whole = pl_text_take(text);
+    fputs(whole, out);
+    free(whole);
+}

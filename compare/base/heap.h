@@ -9,6 +9,7 @@
 
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdio.h>
 
 /* Ends the process with this message, a line, and exit code 3. */
 _Noreturn void pl_out_of_memory(void);
@@ -36,5 +37,8 @@ void pl_push(void *items, int *count, const void *item, size_t size);
 
 /* The text of the buffer, "" for one to which nothing was added. The buffer is then empty. */
 char *pl_text_take(pl_text_buffer *text);
+
+/* Writes the text of the buffer, which is empty then. */
+void pl_text_print(pl_text_buffer *text, FILE *out);
 
 #endif

@@ -243,7 +243,5 @@ void pl_table_print(pl_table *table, FILE *out)
     pl_text_buffer text = {0};
     table->line_width = pl_window_width(out);
     pl_table_write(table, PL_TABLE_TEXT, &text);
-    char *whole = pl_text_take(&text);
-    fputs(whole, out);
-    free(whole);
+    pl_text_print(&text, out);
 }

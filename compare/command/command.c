@@ -1,10 +1,10 @@
 /* The command line: options by their tables, with argp(3) underneath; and the ends of commands. */
 #include "command.h"
 
-#include "base/array.h"
 #include "base/diagnostic.h"
 #include "base/folding.h"
 #include "base/hash.h"
+#include "base/heap.h"
 #include "request.h"
 #include "results/result.h"
 
@@ -41,10 +41,7 @@ typedef struct parsing {
 
 void pl_texts_add(pl_texts *texts, const char *item)
 {
-    if (pl_array_push(&texts->items, &texts->count, &item, sizeof item, NULL) != PL_OK) {
-        fprintf(stderr, "plumb: out of memory\n");
-        exit(PL_EXIT_FAILED);
-    }
+    pl_push(&texts->items, &texts->count, &item, sizeof item);
 }
 
 /* ---- Tables of options ---- */
@@ -263,11 +260,7 @@ void pl_call_parse(const pl_call *call, void *options)
     parsing p = {.call = call, .options = options};
     list_options(&p);
     check_options(&p);
-    char *doc = NULL;
-    if (asprintf(&doc, "%s\v%s", command->description, command->notes) < 0) {
-        pl_print_line(stderr, "%s: out of memory", call->argv[0]);
-        exit(PL_EXIT_FAILED);
-    }
+    char *doc = pl_heap_format("%s\v%s", command->description, command->notes);
     const struct argp argp = {.options = p.argp,
                               .parser = parse,
                               .args_doc = command->arguments,
@@ -329,11 +322,7 @@ int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, 
     return pl_call_end(call, status, error, signal_number, code);
 }
 
-json_t *pl_call_provenance(const pl_call *call, pl_error *error)
+json_t *pl_call_provenance(const pl_call *call)
 {
-    json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
-    if (provenance == NULL) {
-        pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
-    return provenance;
+    return pl_provenance(call->program_argc, call->program_argv);
 }

@@ -27,7 +27,7 @@ typedef struct pl_texts {
     int count;
 } pl_texts;
 
-/* Appends a text. Ends the program when memory runs out. */
+/* Appends a text. */
 void pl_texts_add(pl_texts *texts, const char *item);
 
 /* What an option does with the field of the command's options that it stands for. */
@@ -121,9 +121,8 @@ int pl_call_end(const pl_call *call, pl_status status, const pl_error *error, in
 int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, pl_status status,
                       const pl_error *error, int signal_number, int code);
 
-/* The provenance of results of this call (pl_provenance), a new reference; NULL with an error when
- * memory runs out. */
-json_t *pl_call_provenance(const pl_call *call, pl_error *error);
+/* The provenance of results of this call (pl_provenance), a new reference. */
+json_t *pl_call_provenance(const pl_call *call);
 
 /* The commands, one file each: command_<name>.c. */
 #define COMMAND(name) extern const pl_command pl_command_##name;

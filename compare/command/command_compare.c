@@ -33,7 +33,6 @@ typedef struct references {
     char *path;      /* of reference.json */
     json_t *before;  /* what is there already; NULL: nothing */
     json_t *outcome; /* NULL: none */
-    int due;         /* cases to judge */
 } references;
 
 static void print_table(const pl_result_table *results)
@@ -106,14 +105,10 @@ static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store,
 /* Makes the folder of recordings, whose path the caller frees; NULL: none are asked for. */
 static pl_status prepare_recordings(const options *o, char **folder, pl_error *error)
 {
-    char *path = NULL;
-    if (asprintf(&path, "%s/recordings", o->request.out) < 0) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
     if (o->no_recordings) {
-        free(path);
         return PL_OK;
     }
+    char *path = pl_heap_format("%s/recordings", o->request.out);
     pl_status status = pl_make_directories(path, error);
     if (status == PL_OK) {
         *folder = realpath(path, NULL); /* an engine may change the working directory */
@@ -128,17 +123,14 @@ static pl_status prepare_recordings(const options *o, char **folder, pl_error *e
 static pl_status begin_references(const options *o, const pl_plan *plan, references *r,
                                   pl_error *error)
 {
-    if (asprintf(&r->folder, "%s/reference-paths", o->request.out) < 0 ||
-        asprintf(&r->path, "%s/reference.json", o->request.out) < 0) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
+    r->folder = pl_heap_format("%s/reference-paths", o->request.out);
+    r->path = pl_heap_format("%s/reference.json", o->request.out);
     r->before = o->request.resume ? json_load_file(r->path, 0, NULL) : NULL;
     if (!o->request.resume) {
         pl_positions_clear(r->folder);
     }
-    pl_status status =
-        o->no_reference ? PL_OK : pl_reference_study_due(plan, r->before, &r->due, error);
-    return status == PL_OK && r->due > 0 ? pl_make_directories(r->folder, error) : status;
+    const bool is_due = !o->no_reference && pl_reference_study_due(plan, r->before) > 0;
+    return is_due ? pl_make_directories(r->folder, error) : PL_OK;
 }
 
 /* Makes the references and writes them. */
@@ -169,9 +161,9 @@ static pl_status make_references(const options *o, const pl_plan *plan, const js
 /* What a comparison that has ended replaces. */
 static void remove_old(const options *o, pl_store *store)
 {
-    char *recordings = NULL;
     pl_store_finish(store);
-    if (o->request.force && asprintf(&recordings, "%s/recordings", o->request.out) >= 0) {
+    if (o->request.force) {
+        char *recordings = pl_heap_format("%s/recordings", o->request.out);
         pl_recordings_remove(recordings, pl_store_runs(store));
         free(recordings);
     }
@@ -198,15 +190,13 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
 {
     pl_error error = {.message = ""};
     pl_store *store = NULL;
-    references r = {.due = 0};
+    references r = {.folder = NULL};
     static const char *const report_files[] = {"index.html", NULL};
     const pl_store_mode mode = pl_store_mode_of(o->request.resume, o->request.force);
     int signal_number = 0;
     int code = PL_EXIT_OK;
-    json_t *provenance = pl_call_provenance(call, &error);
-    pl_status status = provenance == NULL
-                           ? PL_NO_MEMORY
-                           : pl_store_open(o->request.out, mode, report_files, &store, &error);
+    json_t *provenance = pl_call_provenance(call);
+    pl_status status = pl_store_open(o->request.out, mode, report_files, &store, &error);
     char *recordings = NULL;
     if (status == PL_OK) {
         status = prepare_recordings(o, &recordings, &error);

@@ -157,15 +157,15 @@ static int run(const pl_call *call)
     const pl_built_in *known = pl_built_in_engines(&count);
     pl_call_parse(call, &o);
     pl_request_free(&o.request);
-    json_t *engines = json_array(), *found = pl_call_provenance(call, &error);
-    pl_status status = found == NULL ? PL_NO_MEMORY : PL_OK;
+    json_t *engines = json_array(), *found = pl_call_provenance(call);
+    pl_status status = PL_OK;
     for (int i = 0; i < count && status == PL_OK; ++i) {
         status = add_engine(&known[i], engines, &faulty, &error);
     }
-    if (status == PL_OK && (json_object_set(found, "engines", engines) != 0 ||
-                            json_object_set_new(found, "machine", pl_machine()) != 0 ||
-                            json_object_set_new(found, "tools", list_tools()) != 0)) {
-        status = pl_fail(&error, PL_NO_MEMORY, "out of memory");
+    if (status == PL_OK) {
+        json_object_set(found, "engines", engines);
+        json_object_set_new(found, "machine", pl_machine());
+        json_object_set_new(found, "tools", list_tools());
     }
     if (status == PL_OK && o.json) {
         json_dumpf(found, stdout, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));

@@ -45,18 +45,14 @@ static bool cut_settings(char *parts, pl_texts *settings)
 static pl_status add_against(void *user, const char *text, pl_error *error)
 {
     options *o = user;
-    other_setting added = {.parts = strdup(text)};
-    if (added.parts == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
-    bool right = strcmp(text, ITSELF) == 0 || cut_settings(added.parts, &added.settings);
+    other_setting added = {.parts = pl_heap_copy(text)};
+    const bool right = strcmp(text, ITSELF) == 0 || cut_settings(added.parts, &added.settings);
     pl_texts_add(&o->against, text);
-    pl_status status = pl_array_push(&o->others, &o->other_count, &added, sizeof added, error);
-    return status == PL_OK && !right
-               ? pl_fail(error, PL_BAD_INPUT,
-                         "--against takes NAME=VALUE[,NAME=VALUE]... or %s; found \"%s\"", ITSELF,
-                         text)
-               : status;
+    pl_push(&o->others, &o->other_count, &added, sizeof added);
+    return right ? PL_OK
+                 : pl_fail(error, PL_BAD_INPUT,
+                           "--against takes NAME=VALUE[,NAME=VALUE]... or %s; found \"%s\"", ITSELF,
+                           text);
 }
 
 /* The cases of a setting: those asked for, with the other setting's values last. */

@@ -80,10 +80,7 @@ static void free_material(material *m)
 static pl_status read_rules(const options *o, material *m, pl_error *error)
 {
     pl_status status = PL_OK;
-    m->rules = calloc((size_t)o->rules.count + 1, sizeof *m->rules);
-    if (m->rules == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for rules");
-    }
+    m->rules = pl_heap_new((size_t)o->rules.count, sizeof *m->rules);
     for (int i = 0; i < o->rules.count && status == PL_OK; ++i) {
         pl_gate_rule *rule = &m->rules[i];
         status = pl_gate_rule_parse(o->rules.items[i], rule, error);
@@ -101,10 +98,7 @@ static pl_status check_reference(const options *o, const pl_gate_rows *rows, pl_
     if (o->reference == NULL) {
         return PL_OK;
     }
-    const char **labels = calloc((size_t)rows->count + 1, sizeof *labels);
-    if (labels == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
+    const char **labels = pl_heap_new((size_t)rows->count, sizeof *labels);
     bool found = false;
     for (int i = 0; i < rows->count; ++i) {
         labels[i] = rows->items[i].label;
@@ -166,10 +160,11 @@ static pl_status append_page(const pl_gate_verdict *verdict, const char *path, p
 {
     pl_text_buffer page = {0};
     pl_gate_write_markdown(verdict, &page);
-    FILE *file = page.failed ? NULL : fopen(path, "ae");
-    bool written = file != NULL && fputs(page.data, file) >= 0;
+    char *text = pl_text_take(&page);
+    FILE *file = fopen(path, "ae");
+    bool written = file != NULL && fputs(text, file) >= 0;
     written = file != NULL && fclose(file) == 0 && written;
-    pl_text_free(&page);
+    free(text);
     return written ? PL_OK : pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
 }
 
@@ -178,19 +173,14 @@ static pl_status write_format(pl_gate_format format, const pl_gate_verdict *verd
 {
     pl_text_buffer buffer = {0};
     pl_gate_write(format, verdict, &buffer);
-    pl_status status = PL_OK;
-    if (buffer.failed) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory for the report");
-    } else if (format == PL_GATE_TEXT && pl_is_stdout(path) && pl_window_is_known(stdout)) {
-        /* Elsewhere, such as in the log of a job, an entry is a line. */
-        pl_folding folding;
-        fputs(buffer.data, pl_folding_begin(&folding, stdout));
-        pl_folding_end(&folding);
-    } else {
-        status = pl_write_text(path, buffer.data, buffer.length, error);
+    if (format != PL_GATE_TEXT || !pl_is_stdout(path) || !pl_window_is_known(stdout)) {
+        return pl_write_buffer(path, &buffer, error);
     }
-    pl_text_free(&buffer);
-    return status;
+    /* Elsewhere, such as in the log of a job, an entry is a line. */
+    pl_folding folding;
+    pl_text_print(&buffer, pl_folding_begin(&folding, stdout));
+    pl_folding_end(&folding);
+    return PL_OK;
 }
 
 static pl_status deliver(const options *o, const pl_gate_verdict *verdict, pl_error *error)

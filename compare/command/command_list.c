@@ -241,9 +241,9 @@ static pl_status check(void *user, pl_error *error)
 static pl_status write_page(const char *path, pl_error *error)
 {
     pl_text_buffer out = {0};
-    pl_status status = pl_catalogue_page(&out, error);
+    const pl_status status = pl_catalogue_page(&out, error);
     if (status == PL_OK) {
-        status = pl_write_text(path, out.data, out.length, error);
+        return pl_write_buffer(path, &out, error);
     }
     pl_text_free(&out);
     return status;

@@ -3,6 +3,7 @@
 #include "request.h"
 
 #include "adapters/built_in.h"
+#include "base/heap.h"
 #include "base/text_buffer.h"
 #include "results/store.h"
 
@@ -148,13 +149,6 @@ static pl_status check_target(const char *path, pl_error *error)
     return entries <= 2 ? PL_OK : pl_fail(error, PL_BAD_INPUT, "%s exists, and is not empty", path);
 }
 
-/* "folder/path", to be freed; NULL without memory. */
-static char *join(const char *folder, const char *path)
-{
-    char *joined = NULL;
-    return asprintf(&joined, "%s/%s", folder, path) < 0 ? NULL : joined;
-}
-
 /* Writes a file with the engine's name in the place of the placeholder. */
 static pl_status write_file(const char *folder, const file *from, const char *name, pl_error *error)
 {
@@ -166,12 +160,9 @@ static pl_status write_file(const char *folder, const file *from, const char *na
         rest = at + strlen(PLACEHOLDER);
     }
     pl_text_add(&out, rest);
-    char *path = join(folder, from->path);
-    pl_status status = out.failed || path == NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                           : pl_write_text(path, out.data, out.length, error);
+    char *path = pl_heap_format("%s/%s", folder, from->path);
+    const pl_status status = pl_write_buffer(path, &out, error);
     free(path);
-    pl_text_free(&out);
     return status;
 }
 
@@ -180,9 +171,8 @@ static pl_status fill(const engine_template *of, const char *folder, const char 
 {
     pl_status status = PL_OK;
     for (int i = 0; i < of->folder_count && status == PL_OK; ++i) {
-        char *path = join(folder, of->folders[i]);
-        status = path == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                              : pl_make_directories(path, error);
+        char *path = pl_heap_format("%s/%s", folder, of->folders[i]);
+        status = pl_make_directories(path, error);
         free(path);
     }
     for (int i = 0; i < of->file_count && status == PL_OK; ++i) {
@@ -196,11 +186,10 @@ static void clear(const engine_template *of, const char *folder)
 {
     for (int i = 0; i < of->file_count + of->folder_count; ++i) {
         const int after = i - of->file_count;
-        char *path =
-            join(folder, after < 0 ? of->files[i].path : of->folders[of->folder_count - 1 - after]);
-        if (path != NULL) {
-            remove(path);
-        }
+        char *path = pl_heap_format("%s/%s", folder,
+                                    after < 0 ? of->files[i].path
+                                              : of->folders[of->folder_count - 1 - after]);
+        remove(path);
         free(path);
     }
     remove(folder);
@@ -210,23 +199,19 @@ static void clear(const engine_template *of, const char *folder)
 static pl_status make(const engine_template *of, const char *path, const char *name,
                       pl_error *error)
 {
-    char *temporary = NULL;
-    if (asprintf(&temporary, "%s.%ld.tmp", path, (long)getpid()) < 0) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
+    char *temporary = pl_heap_format("%s.%ld.tmp", path, (long)getpid());
     pl_status status = PL_OK;
     if (mkdir(temporary, 0777) != 0) {
         status = pl_fail(error, PL_IO, "cannot make %s: %s", path, strerror(errno));
-        goto cleanup;
+    } else {
+        status = fill(of, temporary, name, error);
+        if (status == PL_OK && rename(temporary, path) != 0) {
+            status = pl_fail(error, PL_IO, "cannot make %s: %s", path, strerror(errno));
+        }
+        if (status != PL_OK) {
+            clear(of, temporary);
+        }
     }
-    status = fill(of, temporary, name, error);
-    if (status == PL_OK && rename(temporary, path) != 0) {
-        status = pl_fail(error, PL_IO, "cannot make %s: %s", path, strerror(errno));
-    }
-    if (status != PL_OK) {
-        clear(of, temporary);
-    }
-cleanup:
     free(temporary);
     return status;
 }
@@ -235,8 +220,7 @@ static void print_word(const char *text)
 {
     pl_text_buffer word = {0};
     pl_text_add_shell(&word, text);
-    fputs(word.failed ? text : word.data, stdout);
-    pl_text_free(&word);
+    pl_text_print(&word, stdout);
 }
 
 static void print_next_of_process(const char *path, const char *name)
@@ -272,14 +256,11 @@ static int run(const pl_call *call)
     pl_call_parse(call, &o);
     char folder_name[PL_NAME_SIZE];
     const char *name = o.name != NULL ? o.name : folder_name;
-    char *path = strdup(o.request.names.items[0]);
-    pl_status status = path == NULL ? pl_fail(&error, PL_NO_MEMORY, "out of memory") : PL_OK;
-    for (size_t n = path == NULL ? 0 : strlen(path); n > 1 && path[n - 1] == '/'; --n) {
+    char *path = pl_heap_copy(o.request.names.items[0]);
+    for (size_t n = strlen(path); n > 1 && path[n - 1] == '/'; --n) {
         path[n - 1] = '\0';
     }
-    if (status == PL_OK) {
-        status = check_target(path, &error);
-    }
+    pl_status status = check_target(path, &error);
     if (status == PL_OK) {
         name_after(path, folder_name);
         status = check_not_built_in(name, &error);

@@ -1,5 +1,6 @@
 /* plumb report: the report of existing results, from any number of files. */
 #include "base/folding.h"
+#include "base/heap.h"
 #include "figure.h"
 #include "report/report.h"
 #include "report/study_page.h"
@@ -74,11 +75,8 @@ static bool is_read(const pl_request *request)
 static pl_status check_file(const pl_request *request, bool is_own, const char *file,
                             pl_error *error)
 {
-    char *path = NULL;
-    if (asprintf(&path, "%s/%s", request->out, file) < 0) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
-    pl_status status = is_own ? PL_OK : pl_output_check(path, request->force, error);
+    char *path = pl_heap_format("%s/%s", request->out, file);
+    const pl_status status = is_own ? PL_OK : pl_output_check(path, request->force, error);
     free(path);
     return status;
 }
@@ -216,7 +214,6 @@ static pl_status deliver(const options *o, const pl_merge *merge, pl_error *erro
 {
     const pl_request *request = &o->request;
     pl_store *store = NULL;
-    char *path = NULL;
     if (o->format != NULL) {
         pl_status made = o->format->file == NULL
                              ? PL_OK
@@ -226,9 +223,7 @@ static pl_status deliver(const options *o, const pl_merge *merge, pl_error *erro
         }
         return made == PL_OK ? write_report(o, merge, error) : made;
     }
-    if (asprintf(&path, "%s/results.jsonl", request->out) < 0) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
+    char *path = pl_heap_format("%s/results.jsonl", request->out);
     pl_status status = pl_store_open(request->out, PL_STORE_RESUME, NULL, &store, error);
     if (status == PL_OK) {
         status = check_kept(merge, request->out, store, request->force, error);
@@ -317,7 +312,7 @@ static bool is_study(const pl_request *request, pl_status *status, pl_error *err
     }
     if (*status == PL_OK) {
         *status = known != NULL ? pl_study_write_page(request->out, known, study, error)
-                                : pl_study_page_write(request->out, kind, study, error);
+                                : pl_study_page_write(request->out, kind, kind, study, error);
     }
     if (*status == PL_OK) {
         pl_print_line(stderr, "the page is in %s/%s.html", request->out, name);

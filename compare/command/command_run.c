@@ -1,5 +1,6 @@
 /* plumb run SCENARIO --engine SPEC: one run, one result. */
 #include "base/folding.h"
+#include "base/heap.h"
 #include "base/table.h"
 #include "capture_file.h"
 #include "request.h"
@@ -129,10 +130,7 @@ static pl_status open_trajectory(const char *path, trajectory *t, pl_error *erro
     if (path == NULL) {
         return PL_OK;
     }
-    if (is_regular && asprintf(&t->unfinished, "%s.unfinished", path) < 0) {
-        t->unfinished = NULL;
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
+    t->unfinished = is_regular ? pl_heap_format("%s.unfinished", path) : NULL;
     t->file = pl_is_stdout(path) ? fdopen(dup(STDOUT_FILENO), "w")
                                  : fopen(is_regular ? t->unfinished : path, "we");
     return t->file == NULL ? pl_fail(error, PL_IO, "%s: %s", path, strerror(errno)) : PL_OK;
@@ -176,15 +174,10 @@ static json_t *capture_source(const pl_plan *plan)
     const pl_planned_run planned = pl_plan_run(plan, 0);
     json_t *identity = pl_planned_run_identity(plan, &planned);
     json_t *source = json_object();
-    int failed = identity == NULL;
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
-        failed |= json_object_set(source, keys[i], json_object_get(identity, keys[i]));
+        json_object_set(source, keys[i], json_object_get(identity, keys[i]));
     }
     json_decref(identity);
-    if (failed != 0) {
-        json_decref(source);
-        return NULL;
-    }
     return source;
 }
 
@@ -209,7 +202,7 @@ static pl_status prepare_capture(const options *o, const pl_plan *plan, pl_captu
     }
     *target = (pl_capture_target){
         .path = o->capture, .step = o->capture_step, .source = capture_source(plan)};
-    return target->source == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    return PL_OK;
 }
 
 static pl_status execute(const pl_call *call, const options *o, pl_plan *plan, json_t **result,
@@ -218,8 +211,8 @@ static pl_status execute(const pl_call *call, const options *o, pl_plan *plan, j
     pl_capture_target target = {.path = NULL};
     const pl_capture capture = {.step = o->capture_step, .take = pl_capture_write, .user = &target};
     trajectory frames = {.file = NULL};
-    json_t *provenance = pl_call_provenance(call, error);
-    pl_status status = provenance == NULL ? PL_NO_MEMORY : prepare_capture(o, plan, &target, error);
+    json_t *provenance = pl_call_provenance(call);
+    pl_status status = prepare_capture(o, plan, &target, error);
     if (status == PL_OK) {
         status = open_trajectory(o->trajectory, &frames, error);
     }

@@ -1,5 +1,6 @@
 /* plumb scene SCENARIO: the scene as JSON, to edit and run, or as MJCF, for MuJoCo's tools. */
 #include "adapters/mujoco/mjcf.h"
+#include "base/heap.h"
 #include "request.h"
 
 #include <stdlib.h>
@@ -35,15 +36,14 @@ static pl_status check(void *options, pl_error *error)
                : pl_request_check(request, "which scenario? See plumb list scenarios", NULL, error);
 }
 
-static pl_status print_json(const pl_scene *scene, pl_error *error)
+static void print_json(const pl_scene *scene)
 {
     char *text = pl_scene_to_text(scene);
     if (text == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+        pl_out_of_memory();
     }
     puts(text);
     free(text);
-    return PL_OK;
 }
 
 /* A scene that MJCF cannot express is bad input here: no engine was asked to run. */
@@ -69,9 +69,10 @@ static int run(const pl_call *call)
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
     pl_status status = pl_request_add_cases(&own.request, &plan, &error);
-    if (status == PL_OK) {
-        const pl_scene *scene = &plan.cases[0].scene;
-        status = own.mjcf ? print_mjcf(scene, &error) : print_json(scene, &error);
+    if (status == PL_OK && own.mjcf) {
+        status = print_mjcf(&plan.cases[0].scene, &error);
+    } else if (status == PL_OK) {
+        print_json(&plan.cases[0].scene);
     }
     pl_plan_free(&plan);
     pl_request_free(&own.request);

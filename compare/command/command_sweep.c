@@ -31,9 +31,11 @@ static pl_status add_vary(void *user, const char *text, pl_error *error)
 {
     options *o = user;
     pl_vary vary;
-    pl_status status = pl_vary_parse(text, PL_VARY_VALUES, &vary, error);
-    return status == PL_OK ? pl_array_push(&o->varied, &o->varied_count, &vary, sizeof vary, error)
-                           : status;
+    const pl_status status = pl_vary_parse(text, PL_VARY_VALUES, &vary, error);
+    if (status == PL_OK) {
+        pl_push(&o->varied, &o->varied_count, &vary, sizeof vary);
+    }
+    return status;
 }
 
 static pl_status check(void *user, pl_error *error)
@@ -159,12 +161,11 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
                    const char *folder)
 {
     pl_error error = {.message = ""};
-    keeper k = {.plan = plan, .provenance = pl_call_provenance(call, &error)};
+    keeper k = {.plan = plan, .provenance = pl_call_provenance(call)};
     int signal_number = 0;
     int code = PL_EXIT_OK;
-    pl_status status = k.provenance == NULL
-                           ? PL_NO_MEMORY
-                           : pl_repeats_begin(&k.repeats, plan, o->repeat_below, &error);
+    pl_status status = PL_OK;
+    pl_repeats_begin(&k.repeats, plan, o->repeat_below);
     if (status == PL_OK) {
         status = open_store(o, is_shard, folder, &k, &error);
     }
@@ -204,8 +205,8 @@ static pl_status choose_shard(const options *o, pl_shard *shard, bool *is_shard,
     if (status != PL_OK) {
         return status;
     }
-    *folder = *is_shard ? pl_shard_folder(o->request.out, *shard) : strdup(o->request.out);
-    return *folder == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    *folder = *is_shard ? pl_shard_folder(o->request.out, *shard) : pl_heap_copy(o->request.out);
+    return PL_OK;
 }
 
 /* Adds ENGINE:tuned of each engine for which a file of profiles has it. */

@@ -1,4 +1,5 @@
 /* plumb view: opens the page of a report or of a study. */
+#include "base/heap.h"
 #include "open_page.h"
 #include "request.h"
 
@@ -19,12 +20,7 @@ static bool is_file(const char *path)
 static pl_status find_page(const char *name, char **path, pl_error *error)
 {
     for (size_t i = 0; i <= sizeof pages / sizeof pages[0]; ++i) {
-        const int length =
-            i == 0 ? asprintf(path, "%s", name) : asprintf(path, "%s/%s", name, pages[i - 1]);
-        if (length < 0) {
-            *path = NULL;
-            return pl_fail(error, PL_NO_MEMORY, "out of memory");
-        }
+        *path = i == 0 ? pl_heap_copy(name) : pl_heap_format("%s/%s", name, pages[i - 1]);
         const char *ending = strrchr(*path, '.');
         if (is_file(*path) && ending != NULL && strcmp(ending, ".html") == 0) {
             return PL_OK;

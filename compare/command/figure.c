@@ -1,6 +1,7 @@
 #include "figure.h"
 
 #include "base/file_text.h"
+#include "base/heap.h"
 #include "base/number.h"
 #include "report/summary.h"
 #include "results/store.h"
@@ -183,12 +184,8 @@ pl_status pl_figure_write(const pl_report_def *def, const char *what, pl_figure_
         const bool plain = strchr("/:= \t\n\"'\\", *c) == NULL;
         pl_text_format(&d.name, "%c", plain ? *c : '-');
     }
-    if (status == PL_OK &&
-        asprintf(path, "%s/%s.%s", def->directory, d.name.data, endings[format]) < 0) {
-        *path = NULL;
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
     if (status == PL_OK) {
+        *path = pl_heap_format("%s/%s.%s", def->directory, d.name.data, endings[format]);
         status = pl_output_check(*path, force, error);
     }
     if (status == PL_OK) {

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 /* The machine as a JSON object: the processor's features and settings, the clock that times steps, load and
- * memory. What cannot be read is left out. A new reference; NULL when memory runs out. Takes about
+ * memory. What cannot be read is left out. A new reference. Takes about
  * 0.2 s. */
 json_t *pl_machine(void);
 

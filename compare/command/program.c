@@ -2,6 +2,7 @@
 #include "command.h"
 
 #include "base/folding.h"
+#include "base/heap.h"
 #include "complete.h"
 
 #include <argp.h>
@@ -183,11 +184,7 @@ int pl_program(int argc, char **argv)
     if (command == NULL) {
         return PL_EXIT_USAGE;
     }
-    char **command_argv = malloc((size_t)argc * sizeof *command_argv);
-    if (command_argv == NULL) {
-        fprintf(stderr, "plumb: out of memory\n");
-        return PL_EXIT_FAILED;
-    }
+    char **command_argv = pl_heap_new((size_t)argc, sizeof *command_argv);
     memcpy(command_argv, argv + 1, (size_t)argc * sizeof *command_argv);
     int code = run_command(command, (pl_call){.argc = argc - 1,
                                               .argv = command_argv,

@@ -1,8 +1,8 @@
 #include "request.h"
 
-#include "base/array.h"
 #include "base/file_beneath.h"
 #include "base/folding.h"
+#include "base/heap.h"
 #include "base/thread_pool.h"
 #include "engines/registry.h"
 
@@ -60,24 +60,23 @@ const pl_option pl_scene_options[] = {
     {0}};
 
 /* Puts a path before those of an environment variable, where it is looked up. */
-static pl_status add_path(const char *variable, const char *path, pl_error *error)
+static void add_path(const char *variable, const char *path)
 {
     const char *before = getenv(variable);
-    char *paths = NULL;
-    pl_status status = PL_OK;
-    if (asprintf(&paths, "%s%s%s", path, before == NULL ? "" : ":", before == NULL ? "" : before) <
-            0 ||
-        setenv(variable, paths, 1) != 0) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory");
+    char *paths =
+        pl_heap_format("%s%s%s", path, before == NULL ? "" : ":", before == NULL ? "" : before);
+    if (setenv(variable, paths, 1) != 0) {
+        pl_out_of_memory();
     }
     free(paths);
-    return status;
 }
 
 static pl_status add_profiles(void *options, const char *path, pl_error *error)
 {
     (void)options;
-    return add_path(PL_PROFILES_VARIABLE, path, error);
+    (void)error;
+    add_path(PL_PROFILES_VARIABLE, path);
+    return PL_OK;
 }
 
 static pl_status add_allowed(void *options, const char *folder, pl_error *error)
@@ -92,9 +91,9 @@ static pl_status add_allowed(void *options, const char *folder, pl_error *error)
                        "--allow-files takes a folder without ':' in its name; found \"%.200s\"",
                        folder);
     }
-    const pl_status result = add_path(PL_ALLOWED_VARIABLE, real, error);
+    add_path(PL_ALLOWED_VARIABLE, real);
     free(real);
-    return result;
+    return PL_OK;
 }
 
 const pl_option pl_file_options[] = {
@@ -286,23 +285,22 @@ static pl_status list_asked(const pl_request *request, asked **list, int *count,
 {
     *list = NULL;
     *count = 0;
-    pl_status status = PL_OK;
-    for (int i = 0; i < request->suites.count && status == PL_OK; ++i) {
+    for (int i = 0; i < request->suites.count; ++i) {
         const pl_suite *suite = pl_suite_find(request->suites.items[i], error);
         if (suite == NULL) {
             return PL_BAD_INPUT;
         }
-        for (int k = 0; k < suite->entry_count && status == PL_OK; ++k) {
+        for (int k = 0; k < suite->entry_count; ++k) {
             const pl_suite_entry *entry = &suite->entries[k];
             const asked item = {.name = entry->scenario, .setting = entry->setting};
-            status = pl_array_push(list, count, &item, sizeof item, error);
+            pl_push(list, count, &item, sizeof item);
         }
     }
-    for (int i = 0; i < request->names.count && status == PL_OK; ++i) {
+    for (int i = 0; i < request->names.count; ++i) {
         const asked item = {.name = request->names.items[i]};
-        status = pl_array_push(list, count, &item, sizeof item, error);
+        pl_push(list, count, &item, sizeof item);
     }
-    return status;
+    return PL_OK;
 }
 
 /* The scenario of each item, in their order; scene files are opened. */
@@ -324,15 +322,12 @@ static pl_status find_scenarios(pl_plan *plan, const asked *list, int count,
 pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_error *error)
 {
     asked *list = NULL;
-    const pl_scenario **scenarios = NULL;
     int count = 0;
     pl_status status = list_asked(request, &list, &count, error);
-    if (status != PL_OK) {
-        goto cleanup;
+    const pl_scenario **scenarios = pl_heap_new((size_t)count, sizeof(const pl_scenario *));
+    if (status == PL_OK) {
+        status = find_scenarios(plan, list, count, scenarios, error);
     }
-    scenarios = calloc((size_t)count + 1, sizeof(const pl_scenario *));
-    status = scenarios == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                               : find_scenarios(plan, list, count, scenarios, error);
     if (status == PL_OK) {
         status = check_settings("--set", &request->settings, scenarios, count, error);
     }
@@ -343,8 +338,6 @@ pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_erro
     for (int i = 0; i < count && status == PL_OK; ++i) {
         status = add_scenario(request, scenarios[i], list[i].setting, plan, error);
     }
-
-cleanup:
     free(scenarios);
     free(list);
     return status;

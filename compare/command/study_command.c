@@ -2,7 +2,7 @@
 
 #include "base/folding.h"
 #include "base/heap.h"
-#include "report/page.h"
+#include "report/study_page.h"
 #include "results/result_table.h"
 #include "results/store.h"
 
@@ -23,13 +23,9 @@ static pl_status write_file(const char *directory, const pl_study *study, const 
 static pl_status write_page(const char *directory, const pl_study *study,
                             const pl_document *document, pl_error *error)
 {
-    pl_text_buffer page = {0};
     json_t *data = pl_document_json(document);
-    pl_page_of_study(&page, "document", data);
-    char *text = pl_text_take(&page);
-    const pl_status status = write_file(directory, study, "html", text, error);
+    const pl_status status = pl_study_page_write(directory, study->name, "document", data, error);
     json_decref(data);
-    free(text);
     return status;
 }
 
@@ -97,7 +93,7 @@ int pl_study_command(const pl_call *call, const pl_request *request, const pl_st
     int signal_number = 0, code = PL_EXIT_OK;
     char *file = pl_heap_format("%s.json", work->study->name);
     const char *const others[] = {file, NULL};
-    json_t *provenance = pl_call_provenance(call, &error);
+    json_t *provenance = pl_call_provenance(call);
     pl_status status = pl_request_outputs(request, work->output, &error);
     if (status == PL_OK) {
         status = pl_store_open(request->out, pl_store_mode_of(request->resume, request->force),

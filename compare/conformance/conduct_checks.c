@@ -1,6 +1,7 @@
 /* The conduct of an engine as a part of a program: it repeats, and leaves nothing behind. */
 #include "check_bodies.h"
 
+#include "base/heap.h"
 #include "base/sanitizer.h"
 
 #include <dirent.h>
@@ -104,11 +105,7 @@ static void expect_same(pl_probe *p, const recording *first, const recording *se
 static void expect_repeats(pl_probe *p, void (*between)(pl_probe *), const char *expected,
                            const char *cause)
 {
-    recording *frames = calloc(3, sizeof *frames);
-    if (frames == NULL) {
-        pl_probe_fail(p, "the check has memory", "none", "");
-        return;
-    }
+    recording *frames = pl_heap_new(3, sizeof *frames);
     record(p, &frames[0]);
     record(p, &frames[1]);
     if (between != NULL) {

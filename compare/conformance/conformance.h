@@ -40,7 +40,7 @@ const char *pl_conformance_name(int index);
 /* Its title: what is checked, in a few words. Static storage. */
 const char *pl_conformance_title(int index);
 
-/* Runs check `index` on a configuration. PL_IO, PL_NO_MEMORY: it could not be run. */
+/* Runs check `index` on a configuration. PL_IO: it could not be run. */
 pl_status pl_conformance_run(int index, const pl_engine_choice *choice, const pl_limits *limits,
                              pl_check_result *result, pl_error *error);
 

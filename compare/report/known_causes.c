@@ -18,6 +18,7 @@
  * takes the bounds from the frictionless normal forces is inferred from the angle of `ladder`. */
 #include "known_causes.h"
 
+#include "base/heap.h"
 #include "base/json_field.h"
 #include "base/json_text.h"
 #include "plumb/scenario.h"
@@ -167,10 +168,7 @@ static bool read_file(const json_t *json, void *user, pl_diagnostic *diagnostic)
         return pl_diagnose_field(diagnostic, "schema", "expected \"plumb.known-causes/2\"");
     }
     causes->json = json_incref((json_t *)json);
-    causes->items = calloc(json_array_size(array) + 1, sizeof *causes->items);
-    if (causes->items == NULL) {
-        return pl_diagnose_no_memory(diagnostic);
-    }
+    causes->items = pl_heap_new(json_array_size(array), sizeof *causes->items);
     pl_path_push_key(&diagnostic->path, "causes");
     json_array_foreach(array, index, item)
     {

@@ -10,14 +10,12 @@ static const char place[] = "<!--data-->";
 void pl_page_open(pl_text_buffer *out)
 {
     const char *at = strstr(pl_page_html, place);
-    pl_text_add_bytes(out, pl_page_html, at == NULL ? 0 : (size_t)(at - pl_page_html));
-    out->failed |= at == NULL;
+    pl_text_add_bytes(out, pl_page_html, (size_t)(at - pl_page_html));
 }
 
 void pl_page_close(pl_text_buffer *out)
 {
-    const char *at = strstr(pl_page_html, place);
-    pl_text_add(out, at == NULL ? "" : at + strlen(place));
+    pl_text_add(out, strstr(pl_page_html, place) + strlen(place));
 }
 
 /* Nothing in JSON but the inside of a string has a '<', which there may be written as \u003c. So no
@@ -37,11 +35,7 @@ void pl_page_add_text(pl_text_buffer *out, const char *id, const char *text, siz
 
 void pl_page_add(pl_text_buffer *out, const char *id, const json_t *json)
 {
-    char *text = json == NULL ? NULL : json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17));
-    if (text == NULL) {
-        out->failed = true;
-        return;
-    }
+    char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17));
     pl_page_add_text(out, id, text, strlen(text));
     free(text);
 }

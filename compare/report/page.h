@@ -11,7 +11,7 @@
 void pl_page_open(pl_text_buffer *out);
 
 /* Adds a script element of JSON with this id, which has only letters, digits and '-'. Whatever the
- * texts in it say, they stay texts. NULL, and JSON that cannot be written, set out->failed. */
+ * texts in it say, they stay texts. */
 void pl_page_add(pl_text_buffer *out, const char *id, const json_t *json);
 
 /* The same for JSON that is text already, of `length` bytes. */

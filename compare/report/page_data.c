@@ -428,19 +428,18 @@ static json_t *case_json(const pl_result_table *results, const pl_result_case *t
     return object;
 }
 
-pl_status pl_page_data(const pl_report *report, json_t **data, pl_error *error)
+json_t *pl_page_data(const pl_report *report)
 {
     const pl_result_table *results = report->results;
     json_t *cases = json_array();
     for (int i = 0; i < results->case_count; ++i) {
         json_array_append_new(cases, case_json(results, &results->cases[i]));
     }
-    *data =
-        json_pack("{s:s, s:i, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "kind", "report",
-                  "runs", results->row_count, "several_hosts", (int)results->several_hosts,
-                  "disagrees", (int)results->disagrees, "provenance", provenance_json(results),
-                  "command", command_json(results), "engines", engines_json(report), "cases", cases,
-                  "losses", losses_json(report), "findings", findings_json(report), "metrics",
-                  pl_page_data_metrics(), "words", pl_engine_words());
-    return *data == NULL ? pl_fail(error, PL_NO_MEMORY, "no memory for the report's page") : PL_OK;
+    return json_pack("{s:s, s:i, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "kind",
+                     "report", "runs", results->row_count, "several_hosts",
+                     (int)results->several_hosts, "disagrees", (int)results->disagrees,
+                     "provenance", provenance_json(results), "command", command_json(results),
+                     "engines", engines_json(report), "cases", cases, "losses", losses_json(report),
+                     "findings", findings_json(report), "metrics", pl_page_data_metrics(), "words",
+                     pl_engine_words());
 }

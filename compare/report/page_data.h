@@ -5,8 +5,8 @@
 #include "plumb/scenario.h"
 #include "summary.h"
 
-/* The whole report: {"kind": "report", ...}, a new reference. PL_NO_MEMORY. */
-pl_status pl_page_data(const pl_report *report, json_t **data, pl_error *error);
+/* The whole report: {"kind": "report", ...}, a new reference. */
+json_t *pl_page_data(const pl_report *report);
 
 /* What a page says of a scenario of the catalogue, set in `object`. */
 void pl_page_data_scenario(const pl_scenario *scenario, json_t *object);

@@ -60,11 +60,7 @@ static void add_value(const json_t *value, pl_text_buffer *out)
     case JSON_OBJECT:
     case JSON_ARRAY:
         text = pl_result_to_line(value);
-        if (text == NULL) {
-            out->failed = true;
-        } else {
-            pl_text_add_csv(out, text);
-        }
+        pl_text_add_csv(out, text);
         free(text);
         return;
     }
@@ -168,7 +164,7 @@ static pl_status write_temporary(report_file *file, const char *directory, pl_er
     }
     snprintf(file->final, sizeof file->final, "%.*s/%s", (int)strlen(directory), directory,
              file->name);
-    pl_status status = pl_write_text(file->temporary, file->text.data, file->text.length, &cause);
+    pl_status status = pl_write_buffer(file->temporary, &file->text, &cause);
     if (status != PL_OK) {
         return pl_fail(error, status, "%.200s cannot be written: %.200s", file->final,
                        cause.message);
@@ -311,22 +307,17 @@ static void add_recordings(const pl_report_def *def, pl_text_buffer *out)
     free(found);
 }
 
-static pl_status make_page(const pl_report_def *def, const pl_report *report, pl_text_buffer *out,
-                           pl_error *error)
+static void make_page(const pl_report_def *def, const pl_report *report, pl_text_buffer *out)
 {
-    json_t *data = NULL;
-    pl_status status = pl_page_data(report, &data, error);
-    if (status == PL_OK && def->reference != NULL) {
+    json_t *data = pl_page_data(report);
+    if (def->reference != NULL) {
         json_object_set_new(data, "reference", json_deep_copy(def->reference));
     }
-    if (status == PL_OK) {
-        pl_page_open(out);
-        pl_page_add(out, "data", data);
-        add_recordings(def, out);
-        pl_page_close(out);
-    }
+    pl_page_open(out);
+    pl_page_add(out, "data", data);
+    add_recordings(def, out);
+    pl_page_close(out);
     json_decref(data);
-    return status;
 }
 
 pl_status pl_report_write(const pl_report_def *def, pl_error *error)
@@ -342,14 +333,7 @@ pl_status pl_report_write(const pl_report_def *def, pl_error *error)
         pl_report_csv(def->results, &files[0].text);
         pl_report_runs_csv(def->results, &files[1].text);
         pl_report_summary(&report, &files[2].text);
-        status = make_page(def, &report, &files[3].text, error);
-    }
-    for (int i = 0; i < FILE_COUNT && status == PL_OK; ++i) {
-        if (files[i].text.failed) {
-            status = pl_fail(error, PL_NO_MEMORY, "no memory to write %s", files[i].name);
-        }
-    }
-    if (status == PL_OK) {
+        make_page(def, &report, &files[3].text);
         status = write_files(files, FILE_COUNT, def, error);
     }
     for (int i = 0; i < FILE_COUNT; ++i) {

@@ -42,7 +42,7 @@ void pl_report_csv(const pl_result_table *results, pl_text_buffer *out);
 void pl_report_print_table(FILE *out, const pl_result_table *results, bool colour, int width);
 
 /* Adds the catalogue as one HTML page: each scenario with its scene, right answer, source and
- * parameters. PL_NO_MEMORY, or the error of a scenario that cannot be built. */
+ * parameters. The error of a scenario that cannot be built. */
 pl_status pl_catalogue_page(pl_text_buffer *out, pl_error *error);
 
 #endif

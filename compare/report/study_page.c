@@ -1,6 +1,7 @@
 #include "study_page.h"
 
 #include "base/file_text.h"
+#include "base/heap.h"
 #include "base/json_field.h"
 #include "page.h"
 #include "results/store.h"
@@ -15,9 +16,10 @@ static bool read_values(const char *text, size_t length, json_t *values, json_er
     size_t at = strspn(text, " \t\r\n");
     while (at < length) {
         json_t *value = json_loadb(text + at, length - at, JSON_DISABLE_EOF_CHECK, fault);
-        if (value == NULL || json_array_append_new(values, value) != 0) {
+        if (value == NULL) {
             return false;
         }
+        json_array_append_new(values, value);
         at += (size_t)fault->position;
         at += strspn(text + at, " \t\r\n");
     }
@@ -64,16 +66,13 @@ pl_status pl_study_read(const char *path, json_t **study, char kind[PL_STUDY_KIN
     return status;
 }
 
-pl_status pl_study_page_write(const char *directory, const char *kind, json_t *study,
-                              pl_error *error)
+pl_status pl_study_page_write(const char *directory, const char *name, const char *kind,
+                              json_t *study, pl_error *error)
 {
-    pl_text_buffer page = {0}, path = {0};
+    pl_text_buffer page = {0};
+    char *path = pl_heap_format("%s/%s.html", directory, name);
     pl_page_of_study(&page, kind, study);
-    pl_text_format(&path, "%s/%s.html", directory, kind);
-    pl_status status = page.failed || path.failed
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for the page")
-                           : pl_write_text(path.data, page.data, page.length, error);
-    pl_text_free(&page);
-    pl_text_free(&path);
+    const pl_status status = pl_write_buffer(path, &page, error);
+    free(path);
     return status;
 }

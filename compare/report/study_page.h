@@ -14,8 +14,8 @@ enum { PL_STUDY_KIND_SIZE = 32 };
 pl_status pl_study_read(const char *path, json_t **study, char kind[PL_STUDY_KIND_SIZE],
                         pl_error *error);
 
-/* Writes DIRECTORY/KIND.html, renamed to its place when it is complete. PL_IO, PL_NO_MEMORY. */
-pl_status pl_study_page_write(const char *directory, const char *kind, json_t *study,
-                              pl_error *error);
+/* Writes DIRECTORY/NAME.html, renamed to its place when it is complete. PL_IO. */
+pl_status pl_study_page_write(const char *directory, const char *name, const char *kind,
+                              json_t *study, pl_error *error);
 
 #endif

@@ -67,16 +67,15 @@ static void add_table(pl_text_buffer *out, pl_table table, int most)
         pl_table_write(&table, PL_TABLE_MARKDOWN, out);
         pl_text_add(out, "\n</details>\n\n");
     }
-    out->failed |= table.texts.failed;
     pl_table_free(&table);
 }
 
 /* Adds a cell of markup to a table, and frees the markup. */
 static void add_markup(pl_table *table, pl_text_buffer *markup)
 {
-    table->texts.failed |= markup->failed;
-    pl_table_add_markup(table, markup->data == NULL ? "" : markup->data);
-    pl_text_free(markup);
+    char *text = pl_text_take(markup);
+    pl_table_add_markup(table, text);
+    free(text);
 }
 
 static void add_engine_columns(const pl_result_table *results, pl_table *table)
@@ -442,16 +441,16 @@ static void add_settings(const pl_result_table *results, pl_text_buffer *out)
     pl_table table = {0};
     pl_table_columns(&table, "Engine|Version|Conformance|Settings");
     for (int i = 0; i < results->configuration_count; ++i) {
-        pl_text_buffer settings = {0}, known = {0};
-        pl_add_settings(results, i, &settings);
-        pl_conformance_text(results, i, &known);
+        pl_text_buffer set = {0}, found = {0};
+        pl_add_settings(results, i, &set);
+        pl_conformance_text(results, i, &found);
+        char *settings = pl_text_take(&set), *known = pl_text_take(&found);
         pl_table_add(&table, results->configurations[i].name);
         pl_table_add(&table, results->configurations[i].version);
-        pl_table_add(&table, known.data == NULL ? "" : known.data);
-        pl_table_add(&table, settings.data == NULL ? "" : settings.data);
-        out->failed |= settings.failed || known.failed;
-        pl_text_free(&settings);
-        pl_text_free(&known);
+        pl_table_add(&table, known);
+        pl_table_add(&table, settings);
+        free(settings);
+        free(known);
     }
     add_heading(out, "Engine settings");
     add_paragraph(out, "As recorded with the first run of each engine. Conformance is what plumb "

@@ -20,7 +20,7 @@ static void set_said(json_t *json, const char *key, const pl_sweep_analysis *ana
 {
     pl_text_buffer said = {0};
     say(analysis, &said);
-    if (said.length > 0 && !said.failed) {
+    if (said.length > 0) {
         json_object_set_new(json, key, pl_json_text(said.data, said.length));
     }
     pl_text_free(&said);
@@ -41,18 +41,14 @@ json_t *pl_sweep_report_json(const pl_sweep_analysis *analysis)
 pl_status pl_sweep_report_write(const char *directory, const pl_sweep_analysis *analysis,
                                 pl_error *error)
 {
-    pl_text_buffer path = {0};
+    char *path = pl_heap_format("%s/sweep.json", directory);
     json_t *json = pl_sweep_report_json(analysis);
-    pl_text_format(&path, "%s/sweep.json", directory);
-    pl_status status = path.failed || json == NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory to report %d points",
-                                     analysis->point_count)
-                           : pl_results_write_json(path.data, json, error);
+    pl_status status = pl_results_write_json(path, json, error);
     if (status == PL_OK) {
-        status = pl_study_page_write(directory, "sweep", json, error);
+        status = pl_study_page_write(directory, "sweep", "sweep", json, error);
     }
     json_decref(json);
-    pl_text_free(&path);
+    free(path);
     return status;
 }
 
@@ -80,29 +76,27 @@ static void print_table(const char *heading, pl_table table, int most, int width
 static void print_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int width,
                         pl_text_buffer *out)
 {
-    pl_text_buffer heading = {0};
-    pl_text_format(&heading, "%s: least CPU time for a simulated second, by %s%s%s", scene->name,
-                   scene->primary_error, scene->unit[0] == '\0' ? "" : ", ", scene->unit);
-    out->failed |= heading.failed;
-    if (scene->primary_error[0] != '\0' && !heading.failed) {
-        print_table(heading.data, pl_sweep_costs_table(analysis, scene, PL_SWEEP_WHOLE), 0, width,
-                    out);
+    char *heading =
+        pl_heap_format("%s: least CPU time for a simulated second, by %s%s%s", scene->name,
+                       scene->primary_error, scene->unit[0] == '\0' ? "" : ", ", scene->unit);
+    if (scene->primary_error[0] != '\0') {
+        print_table(heading, pl_sweep_costs_table(analysis, scene, PL_SWEEP_WHOLE), 0, width, out);
     }
-    pl_text_free(&heading);
+    free(heading);
 }
 
 void pl_sweep_report_print(FILE *stream, const pl_sweep_analysis *analysis)
 {
-    pl_text_buffer words = {0}, out = {0};
+    pl_text_buffer said = {0}, out = {0};
     const int width = pl_window_width(stream);
-    pl_sweep_statement(analysis, &words);
-    pl_text_add(&words, "\n");
-    pl_sweep_unverified(analysis, &words);
-    pl_text_add(&words, "\n");
-    pl_sweep_warning(analysis, &words);
-    pl_text_add_folded(&out, words.failed ? "" : words.data, width);
-    out.failed |= words.failed;
-    pl_text_free(&words);
+    pl_sweep_statement(analysis, &said);
+    pl_text_add(&said, "\n");
+    pl_sweep_unverified(analysis, &said);
+    pl_text_add(&said, "\n");
+    pl_sweep_warning(analysis, &said);
+    char *words = pl_text_take(&said);
+    pl_text_add_folded(&out, words, width);
+    free(words);
     if (analysis->results->home != NULL) {
         char *heading = pl_heap_format("Where %s loses", analysis->results->home);
         print_table(heading, pl_sweep_losses_table(analysis), PRINTED_ROWS, width, &out);
@@ -124,6 +118,5 @@ void pl_sweep_report_print(FILE *stream, const pl_sweep_analysis *analysis)
     print_table("Order of convergence", pl_sweep_orders_table(analysis, -1), 0, width, &out);
     print_table("Points without numbers", pl_sweep_failed_table(analysis, -1), PRINTED_ROWS, width,
                 &out);
-    fputs(out.failed ? "out of memory to print the sweep\n" : out.data, stream);
-    pl_text_free(&out);
+    pl_text_print(&out, stream);
 }

@@ -12,7 +12,7 @@
 json_t *pl_sweep_report_json(const pl_sweep_analysis *analysis);
 
 /* Writes sweep.html and sweep.json (plumb.sweep/2) into `directory`, which must exist; each file is
- * renamed to its place when it is complete. PL_IO: one cannot be written. PL_NO_MEMORY. */
+ * renamed to its place when it is complete. PL_IO: one cannot be written. */
 pl_status pl_sweep_report_write(const char *directory, const pl_sweep_analysis *analysis,
                                 pl_error *error);
 

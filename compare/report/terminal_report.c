@@ -28,14 +28,14 @@ typedef struct terminal {
 /* Adds a line, folded to the width. */
 static void add_line(const terminal *to, const char *colour, const char *line)
 {
-    pl_text_buffer text = {0};
-    pl_text_add_plain(&text, line, strlen(line));
+    pl_text_buffer buffer = {0};
+    pl_text_add_plain(&buffer, line, strlen(line));
+    char *text = pl_text_take(&buffer);
     pl_text_add(to->out, to->colour ? colour : "");
-    pl_text_add_folded(to->out, text.data == NULL ? "" : text.data, to->width);
+    pl_text_add_folded(to->out, text, to->width);
     pl_text_add(to->out, to->colour && colour[0] != '\0' ? plain : "");
     pl_text_add(to->out, "\n");
-    to->out->failed |= text.failed;
-    pl_text_free(&text);
+    free(text);
 }
 
 static void add_text(const terminal *to, const char *line)
@@ -114,9 +114,9 @@ static void add_engines(const pl_result_table *results, const terminal *to)
         pl_text_format(&line, "  %s %s: ", results->configurations[i].name,
                        results->configurations[i].version);
         pl_conformance_text(results, i, &line);
-        add_text(to, line.data == NULL ? "" : line.data);
-        to->out->failed |= line.failed;
-        pl_text_free(&line);
+        char *text = pl_text_take(&line);
+        add_text(to, text);
+        free(text);
     }
 }
 
@@ -271,7 +271,6 @@ void pl_report_print_table(FILE *out, const pl_result_table *results, bool colou
     } else {
         pl_text_format(&text, "no table: %s\n", error.message);
     }
-    fputs(text.failed || text.data == NULL ? "no table: no memory\n" : text.data, out);
-    pl_text_free(&text);
+    pl_text_print(&text, out);
     pl_report_free(&report);
 }

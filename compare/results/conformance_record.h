@@ -23,7 +23,7 @@ typedef struct pl_conformance {
 /* Keeps that `checks` checks were made and `failed` of them failed, and that `skipped` others were
  * skipped. For a run of all checks with the profile's default options only: `passed` is claimed of
  * the profile. An engine without a binary hash, because it could not be loaded, has no record.
- * PL_IO: the folder cannot be written; PL_NO_MEMORY. */
+ * PL_IO: the folder cannot be written. */
 pl_status pl_conformance_record_write(const pl_engine_info *engine, const char *profile, int checks,
                                       int failed, int skipped, pl_error *error);
 

@@ -173,6 +173,15 @@ pl_status pl_write_text(const char *path, const char *text, size_t length, pl_er
     return write_by_rename(path, text, length, error);
 }
 
+pl_status pl_write_buffer(const char *path, pl_text_buffer *text, pl_error *error)
+{
+    const size_t length = text->length;
+    char *whole = pl_text_take(text);
+    const pl_status status = pl_write_text(path, whole, length, error);
+    free(whole);
+    return status;
+}
+
 /* Whether there is a regular file that is not empty. */
 static bool has_content(const char *path)
 {
@@ -195,11 +204,7 @@ pl_status pl_results_write_json(const char *path, const json_t *value, pl_error 
     pl_text_buffer text = {0};
     pl_text_add_json_tree(&text, value, PL_JSON_INDENTED);
     pl_text_add(&text, "\n");
-    const size_t length = text.length;
-    char *taken = pl_text_take(&text);
-    const pl_status status = pl_write_text(path, taken, length, error);
-    free(taken);
-    return status;
+    return pl_write_buffer(path, &text, error);
 }
 
 pl_status pl_make_directories(const char *directory, pl_error *error)

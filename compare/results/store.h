@@ -3,6 +3,7 @@
 #ifndef PLUMB_STORE_H
 #define PLUMB_STORE_H
 
+#include "base/text_buffer.h"
 #include "plumb/base.h"
 
 #include <jansson.h>
@@ -17,6 +18,9 @@ pl_status pl_results_read(const char *path, json_t **results, long long *whole, 
 /* Writes text to `path` ("-" is standard output): to a temporary name next to it, renamed when
  * complete and on the disk. An existing path that is no regular file (a pipe, a device) is written directly. */
 pl_status pl_write_text(const char *path, const char *text, size_t length, pl_error *error);
+
+/* pl_write_text of a buffer, which is empty then. */
+pl_status pl_write_buffer(const char *path, pl_text_buffer *text, pl_error *error);
 
 /* Whether `path`, which may be NULL, is "-". */
 bool pl_is_stdout(const char *path);

@@ -31,7 +31,7 @@ pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, jso
 void pl_isolated_run_look(pl_isolated_run *run);
 
 /* After pl_process_advance said that the process has ended: its plumb.result/1, a new reference.
- * PL_IO or PL_NO_MEMORY when the run itself could not be made. Frees the run in any case. */
+ * PL_IO when the run itself could not be made. Frees the run in any case. */
 pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_t **result,
                                  pl_error *error);
 

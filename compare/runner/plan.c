@@ -211,31 +211,25 @@ pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error)
                                  other->choice.spec, spec, added.label);
         }
     }
-    return pl_plan_add_choice(plan, &added.choice, added.label, NULL, error);
+    pl_plan_add_choice(plan, &added.choice, added.label);
+    return PL_OK;
 }
 
-pl_status pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, const char *label,
-                             int *index, pl_error *error)
+int pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, const char *label)
 {
     const pl_engine_info *engine = choice->engine;
     pl_configuration added = {
         .choice = *choice,
         .conformance = pl_conformance_find(engine, engine->profiles[choice->profile].name)};
     snprintf(added.label, sizeof added.label, "%s", label);
-    if (index != NULL) {
-        *index = plan->configuration_count;
-    }
-    (void)error;
     pl_push(&plan->configurations, &plan->configuration_count, &added, sizeof added);
-    return PL_OK;
+    return plan->configuration_count - 1;
 }
 
-pl_status pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration, pl_error *error)
+void pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration)
 {
     const pl_pairing added = {test_case, configuration};
-    (void)error;
     pl_push(&plan->pairings, &plan->pairing_count, &added, sizeof added);
-    return PL_OK;
 }
 
 /* How many of the pairings each further repeat has. */
@@ -313,13 +307,11 @@ json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run)
     return pl_run_identity(&view);
 }
 
-pl_status pl_planned_run_hash(const pl_plan *plan, const pl_planned_run *run, char hash[17],
-                              pl_error *error)
+void pl_planned_run_hash(const pl_plan *plan, const pl_planned_run *run, char hash[17])
 {
     json_t *identity = pl_planned_run_identity(plan, run);
     snprintf(hash, 17, "%s", pl_json_get_text(identity, "run"));
     json_decref(identity);
-    return hash[0] != '\0' ? PL_OK : pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
 }
 
 void pl_plan_free(pl_plan *plan)

@@ -96,12 +96,11 @@ void pl_settings_make(const pl_scenario *scenario, const double *values, pl_sett
  * one of the same label is PL_BAD_INPUT, because their rows could not be distinguished. */
 pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error);
 
-/* Adds an engine by its choice, under a label of its own; *index is its place (NULL allowed). */
-pl_status pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, const char *label,
-                             int *index, pl_error *error);
+/* Adds an engine by its choice, under a label of its own. Returns its place. */
+int pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, const char *label);
 
 /* Adds one run. A plan with such pairings has no other runs. */
-pl_status pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration, pl_error *error);
+void pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration);
 
 /* Builds the scene of a deferred case, which the caller frees. PL_NO_MEMORY. */
 pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_scene *scene,
@@ -120,12 +119,11 @@ typedef struct pl_planned_run {
 /* The run with that index, 0 to pl_plan_size() - 1. */
 pl_planned_run pl_plan_run(const pl_plan *plan, long index);
 
-/* The identity of the run, as in a result: a new reference; NULL when out of memory. */
+/* The identity of the run, as in a result: a new reference. */
 json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run);
 
-/* The hash by which results know the run: `run` of its identity. PL_NO_MEMORY sets it to "". */
-pl_status pl_planned_run_hash(const pl_plan *plan, const pl_planned_run *run, char hash[17],
-                              pl_error *error);
+/* The hash by which results know the run: `run` of its identity. */
+void pl_planned_run_hash(const pl_plan *plan, const pl_planned_run *run, char hash[17]);
 
 /* Frees what the plan owns, and makes it empty. */
 void pl_plan_free(pl_plan *plan);

@@ -1,6 +1,6 @@
 #include "progress.h"
 
-#include "base/text_buffer.h"
+#include "base/heap.h"
 #include "base/text_width.h"
 #include "results/run_verdict.h"
 
@@ -91,8 +91,8 @@ void pl_progress_run_ended(pl_progress *progress, const char *title, const json_
     pl_text_format(&line, "  %s%s%s  %.2f s%s", colour, word, colour[0] == '\0' ? "" : "\033[0m",
                    seconds, good || reason[0] == '\0' ? "" : ": ");
     pl_text_add_plain(&line, reason, good ? 0 : strlen(reason));
-    fprintf(progress->out, "%s\n", line.failed ? "out of memory" : line.data);
-    pl_text_free(&line);
+    pl_text_add(&line, "\n");
+    pl_text_print(&line, progress->out);
 }
 
 void pl_progress_end(const pl_progress *progress)

@@ -7,7 +7,6 @@
  * differences from frame to frame, as variable-length integers, deflated (RFC 1951). */
 #include "recording_file.h"
 
-#include "base/array.h"
 #include "base/file_text.h"
 #include "base/heap.h"
 #include "base/text_buffer.h"
@@ -80,7 +79,7 @@ static bool is_drawable(const work *w, const raw_frame *frame)
 
 /* Reads the record at *at; false at the end, at a record that is cut off, and where the run
  * diverged. */
-static bool read_record(work *w, const char **at, const char *end, pl_error *error)
+static bool read_record(work *w, const char **at, const char *end)
 {
     const long poses = 7L * w->moving * (long)sizeof(float), left = end - *at;
     const char kind = left > 0 ? **at : '\0';
@@ -88,7 +87,8 @@ static bool read_record(work *w, const char **at, const char *end, pl_error *err
         raw_curves curves;
         memcpy(&curves, *at + 1, sizeof curves);
         *at += 1 + sizeof curves;
-        return pl_array_push(&w->curves, &w->curve_count, &curves, sizeof curves, error) == PL_OK;
+        pl_push(&w->curves, &w->curve_count, &curves, sizeof curves);
+        return true;
     }
     raw_frame frame;
     const long head = 1 + (long)sizeof frame.step + poses + (long)sizeof frame.contact_count;
@@ -105,7 +105,8 @@ static bool read_record(work *w, const char **at, const char *end, pl_error *err
         return false;
     }
     *at += head + contacts;
-    return pl_array_push(&w->frames, &w->frame_count, &frame, sizeof frame, error) == PL_OK;
+    pl_push(&w->frames, &w->frame_count, &frame, sizeof frame);
+    return true;
 }
 
 /* The scale of the scene, from its dynamic bodies at the start. */
@@ -167,12 +168,11 @@ static bool is_between(const work *w, const raw_frame *a, const raw_frame *b,
     return true;
 }
 
-static pl_status thin(work *w, pl_error *error)
+static void thin(work *w)
 {
-    pl_status status = PL_OK;
-    for (int from = 0; from < w->frame_count && status == PL_OK;) {
+    for (int from = 0; from < w->frame_count;) {
         int to = from + 1;
-        status = pl_array_push(&w->kept, &w->kept_count, &from, sizeof from, error);
+        pl_push(&w->kept, &w->kept_count, &from, sizeof from);
         for (bool holds = true; holds && to + 1 < w->frame_count && to + 1 - from <= LONGEST_GAP;) {
             for (int k = from + 1; k <= to && holds; ++k) {
                 holds = is_between(w, &w->frames[from], &w->frames[to + 1], &w->frames[k]);
@@ -181,7 +181,6 @@ static pl_status thin(work *w, pl_error *error)
         }
         from = to;
     }
-    return status;
 }
 
 /* ---- Writing ---- */
@@ -210,12 +209,9 @@ static void add_packed(work *w)
     static const char letters[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     uLongf length = compressBound(w->bytes.length);
-    unsigned char *packed = malloc(length + 3);
-    if (packed == NULL ||
-        compress2(packed, &length, (const Bytef *)w->bytes.data, w->bytes.length, 9) != Z_OK) {
-        w->out.failed = true;
-        free(packed);
-        return;
+    unsigned char *packed = pl_heap_new(1, length + 3);
+    if (compress2(packed, &length, (const Bytef *)w->bytes.data, w->bytes.length, 9) != Z_OK) {
+        pl_out_of_memory();
     }
     memset(packed + length, 0, 3);
     pl_text_add(&w->out, "\"");
@@ -320,13 +316,11 @@ static void add_contacts(work *w)
         most = count > most ? count : most;
     }
     const double force_unit = weight / (4 * fmax(w->moving, 1));
-    deep *order = calloc((size_t)most + 1, sizeof *order);
-    if (order == NULL || w->frames[w->kept[w->kept_count - 1]].contact_count < 0) {
+    if (w->frames[w->kept[w->kept_count - 1]].contact_count < 0) {
         pl_text_add(&w->out, "\"contacts\":null");
-        w->out.failed |= order == NULL;
-        free(order);
         return;
     }
+    deep *order = pl_heap_new((size_t)most, sizeof *order);
     pl_text_add(&w->out, "\"contacts\":{\"frame\":[");
     for (int f = 0; f < frames; ++f) {
         const int index = frames == 1 ? 0 : (int)((long)f * (w->kept_count - 1) / (frames - 1));
@@ -398,19 +392,16 @@ static pl_status compact(work *w, const char *text, size_t length, const char *p
         return PL_OK;
     }
     measure(w);
-    while (read_record(w, &at, end, error)) {}
+    while (read_record(w, &at, end)) {}
     if (w->frame_count == 0) {
         return PL_OK;
     }
-    pl_status status = thin(w, error);
-    if (status == PL_OK) {
-        add_recording(w);
-        if (w->out.failed || w->bytes.failed) {
-            pl_out_of_memory();
-        }
-        status = pl_write_text(path, w->out.data, w->out.length, error);
+    thin(w);
+    add_recording(w);
+    if (w->bytes.failed) {
+        pl_out_of_memory();
     }
-    return status;
+    return pl_write_buffer(path, &w->out, error);
 }
 
 pl_status pl_recording_finish(const char *folder, const char *run, const pl_scene *scene,

@@ -17,8 +17,7 @@ static pl_sample_test judge(const double *a, int count_a, const double *b, int c
     memcpy(values[1], b, (size_t)count_b * sizeof *b);
     views[0].observed.samples[0] = (pl_sample){.values = values[0], .count = count_a};
     views[1].observed.samples[0] = (pl_sample){.values = values[1], .count = count_b};
-    pl_verdicts verdicts;
-    assert_int_equal(pl_verdicts_reach(views, 2, &verdicts, NULL), PL_OK);
+    pl_verdicts verdicts = pl_verdicts_reach(views, 2);
     assert_int_equal(verdicts.count, 1);
     pl_sample_test found = verdicts.items[0];
     pl_verdicts_free(&verdicts);
@@ -42,8 +41,7 @@ static void test_noise_is_that_of_the_noisier_ensemble(void **state)
 {
     (void)state;
     const double still[] = {0, 0, 0, 0, 0, 0, 0, 1e-3}, wide[] = {0, 9, 2, 7, 1, 8, 3, 5};
-    pl_noise noise;
-    assert_int_equal(pl_split_half_noise(wide, MOST, MOST, MOST, &noise, NULL), PL_OK);
+    const pl_noise noise = pl_split_half_noise(wide, MOST, MOST, MOST);
     for (int order = 0; order < 2; ++order) {
         const pl_sample_test found =
             judge(order == 0 ? still : wide, MOST, order == 0 ? wide : still, MOST);
@@ -74,8 +72,7 @@ static void test_planned_comparisons_are_those_made(void **state)
         }
     }
     const pl_ensembles all = {.items = items, .count = COUNT, .members = 8};
-    pl_verdicts verdicts;
-    assert_int_equal(pl_verdicts_reach(views, COUNT, &verdicts, NULL), PL_OK);
+    pl_verdicts verdicts = pl_verdicts_reach(views, COUNT);
     assert_int_equal(pl_verdicts_planned(&all), verdicts.count);
     assert_int_equal(verdicts.count, 2 * (15 + 3) * pl_observable_count());
     pl_verdicts_free(&verdicts);

@@ -29,7 +29,7 @@ static double estimate_at(double (*x)(double t, double k), int count, long sampl
     for (int k = 0; k < count; ++k) {
         levels[k] = make_paths(x, k);
     }
-    assert_int_equal(pl_halving_error(levels, count, 1.0 / 60, error, NULL), PL_OK);
+    pl_halving_error(levels, count, 1.0 / 60, error);
     for (int k = 0; k < count; ++k) {
         pl_body_paths_free(&levels[k]);
     }

@@ -1,6 +1,7 @@
 /* Plans the cases and the runs of ensembles. */
 #include "members.h"
 
+#include "base/heap.h"
 #include "engines/process.h"
 #include "plumb/jitter.h"
 #include "runner/session.h"
@@ -129,68 +130,57 @@ static pl_status add_references(pl_plan *plan, int count, int test_case, pl_erro
         snprintf(label, sizeof label, "%.100s@converged", plan->configurations[i].label);
         status = strengthen(&plan->cases[test_case].scene, &choice, error);
         if (status == PL_OK) {
-            status = pl_plan_add_choice(plan, &choice, label, NULL, error);
+            pl_plan_add_choice(plan, &choice, label);
         }
     }
     return status;
 }
 
-static pl_status add_ensemble(const pl_members_def *def, const firsts *f, pl_ensemble added,
-                              int row, pl_ensembles *all, pl_error *error)
+static void add_ensemble(const pl_members_def *def, const firsts *f, pl_ensemble added, int row,
+                         pl_ensembles *all)
 {
-    added.cases = calloc((size_t)def->members, sizeof *added.cases);
-    if (added.cases == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d members", def->members);
-    }
+    added.cases = pl_heap_new((size_t)def->members, sizeof *added.cases);
     for (int k = 0; k < def->members; ++k) {
         added.cases[k] = *first_of(f, row, k) + added.test_case;
     }
     all->items[all->count++] = added;
-    return PL_OK;
 }
 
-static pl_status list_ensembles(const pl_members_def *def, int engines, const firsts *f,
-                                pl_ensembles *all, pl_error *error)
+static void list_ensembles(const pl_members_def *def, int engines, const firsts *f,
+                           pl_ensembles *all)
 {
     const int rows = def->setting_count + 1 + (def->references ? 1 : 0);
-    pl_status status = PL_OK;
     all->items =
-        calloc((size_t)all->case_count * (size_t)rows * (size_t)engines + 1, sizeof *all->items);
-    if (all->items == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for the ensembles");
-    }
+        pl_heap_new((size_t)all->case_count * (size_t)rows * (size_t)engines, sizeof *all->items);
     for (int p = 0; p < all->case_count; ++p) {
         for (int row = 0; row < rows; ++row) {
             const bool reference = row > def->setting_count;
-            for (int e = 0; e < engines && status == PL_OK; ++e) {
+            for (int e = 0; e < engines; ++e) {
                 const pl_ensemble added = {.test_case = p,
                                            .setting = reference ? 0 : row,
                                            .reference = reference,
                                            .configuration = reference ? engines + e : e};
-                status = add_ensemble(def, f, added, row, all, error);
+                add_ensemble(def, f, added, row, all);
             }
         }
     }
-    return status;
 }
 
 /* Adds the runs member by member, so that an interrupted plan has runs of every ensemble.
  * References, which take longest, come last. */
-static pl_status pair_up(const pl_ensembles *all, pl_plan *plan, pl_error *error)
+static void pair_up(const pl_ensembles *all, pl_plan *plan)
 {
-    pl_status status = PL_OK;
     for (int pass = 0; pass < 2; ++pass) {
         for (int k = 0; k < all->members; ++k) {
-            for (int i = 0; i < all->count && status == PL_OK; ++i) {
+            for (int i = 0; i < all->count; ++i) {
                 const pl_ensemble *e = &all->items[i];
                 if (e->reference == (pass == 1)) {
                     /* NOLINTNEXTLINE(clang-analyzer-core.*): add_ensemble sets e->cases */
-                    status = pl_plan_add_pairing(plan, e->cases[k], e->configuration, error);
+                    pl_plan_add_pairing(plan, e->cases[k], e->configuration);
                 }
             }
         }
     }
-    return status;
 }
 
 pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles *ensembles,
@@ -199,19 +189,14 @@ pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles
     const int engines = plan->configuration_count;
     firsts f = {.members = def->members};
     *ensembles = (pl_ensembles){.members = def->members};
-    f.index = calloc(((size_t)def->setting_count + 2) * (size_t)def->members, sizeof *f.index);
-    if (f.index == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d members", def->members);
-    }
+    f.index = pl_heap_new(((size_t)def->setting_count + 2) * (size_t)def->members, sizeof *f.index);
     pl_status status = add_cases(def, plan, &f, &ensembles->case_count, error);
     if (status == PL_OK && def->references && ensembles->case_count > 0) {
         status = add_references(plan, engines, 0, error);
     }
     if (status == PL_OK) {
-        status = list_ensembles(def, engines, &f, ensembles, error);
-    }
-    if (status == PL_OK) {
-        status = pair_up(ensembles, plan, error);
+        list_ensembles(def, engines, &f, ensembles);
+        pair_up(ensembles, plan);
     }
     free(f.index);
     return status;
@@ -234,7 +219,7 @@ json_t *pl_member_runs(const pl_plan *plan, const pl_ensemble *ensemble, int mem
                                         .configuration =
                                             &plan->configurations[ensemble->configuration]};
         char run[17];
-        (void)pl_planned_run_hash(plan, &planned, run, NULL);
+        pl_planned_run_hash(plan, &planned, run);
         json_array_append_new(runs, json_string(run));
     }
     return runs;

@@ -1,6 +1,7 @@
 /* Distances of two samples, permutation tests and Holm's correction. */
 #include "two_sample.h"
 
+#include "base/heap.h"
 #include "base/random.h"
 
 #include <math.h>
@@ -18,29 +19,24 @@ static int by_value(const void *a, const void *b)
     return (x->value > y->value) - (x->value < y->value);
 }
 
-pl_status pl_pool_make(const double *a, int count_a, const double *b, int count_b, pl_pool *pool,
-                       pl_error *error)
+pl_pool pl_pool_make(const double *a, int count_a, const double *b, int count_b)
 {
-    size_t count = (size_t)count_a + (size_t)count_b;
-    *pool = (pl_pool){.count = count_a + count_b, .count_a = count_a};
-    tagged *all = calloc(count + 1, sizeof *all);
-    pool->values = calloc(count + 1, sizeof *pool->values);
-    pool->of_a = calloc(count + 1, sizeof *pool->of_a);
-    if (all == NULL || pool->values == NULL || pool->of_a == NULL) {
-        free(all);
-        pl_pool_free(pool);
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu values", count);
-    }
-    for (int i = 0; i < pool->count; ++i) {
+    const size_t count = (size_t)count_a + (size_t)count_b;
+    tagged *all = pl_heap_new(count, sizeof *all);
+    const pl_pool pool = {.count = count_a + count_b,
+                          .count_a = count_a,
+                          .values = pl_heap_new(count, sizeof *pool.values),
+                          .of_a = pl_heap_new(count, sizeof *pool.of_a)};
+    for (int i = 0; i < pool.count; ++i) {
         all[i] = i < count_a ? (tagged){a[i], true} : (tagged){b[i - count_a], false};
     }
     qsort(all, count, sizeof *all, by_value);
-    for (int i = 0; i < pool->count; ++i) {
-        pool->values[i] = all[i].value;
-        pool->of_a[i] = all[i].of_a;
+    for (int i = 0; i < pool.count; ++i) {
+        pool.values[i] = all[i].value;
+        pool.of_a[i] = all[i].of_a;
     }
     free(all);
-    return PL_OK;
+    return pool;
 }
 
 void pl_pool_free(pl_pool *pool)
@@ -153,108 +149,84 @@ static long count_draws(pl_pool *dealt, int *order, double bound)
 
 static int *ascending_order(int count)
 {
-    int *order = calloc((size_t)count + 1, sizeof *order);
-    for (int i = 0; i < count && order != NULL; ++i) {
+    int *order = pl_heap_new((size_t)count, sizeof *order);
+    for (int i = 0; i < count; ++i) {
         order[i] = i;
     }
     return order;
 }
 
-pl_status pl_permutation_p(const pl_pool *pool, double *p, pl_error *error)
+double pl_permutation_p(const pl_pool *pool)
 {
     pl_pool dealt = *pool;
     int *order = ascending_order(pool->count);
-    dealt.of_a = calloc((size_t)pool->count + 1, sizeof *dealt.of_a);
-    if (order == NULL || dealt.of_a == NULL) {
-        free(order);
-        free(dealt.of_a);
-        return pl_fail(error, PL_NO_MEMORY, "out of memory to permute %d values", pool->count);
-    }
+    double p = 0;
+    dealt.of_a = pl_heap_new((size_t)pool->count, sizeof *dealt.of_a);
     /* Ways that differ only in rounding count as equal. */
     const double bound = pl_energy_distance(pool) * (1 - 1e-12);
     if (ways_to_deal(pool->count, pool->count_a) <= most_exact) {
         long ways = 0;
         long hits = count_all(&dealt, bound, &ways);
-        *p = (double)hits / (double)ways;
+        p = (double)hits / (double)ways;
     } else {
         long hits = count_draws(&dealt, order, bound);
-        *p = (1 + (double)hits) / (1.0 + PL_PERMUTATION_DRAWS);
+        p = (1 + (double)hits) / (1.0 + PL_PERMUTATION_DRAWS);
     }
     free(order);
     free(dealt.of_a);
-    return PL_OK;
+    return p;
 }
 
-pl_status pl_permutation_least_p(int count, double *p, pl_error *error)
+double pl_permutation_least_p(int count)
 {
-    pl_pool pool;
-    double *values = calloc(2 * (size_t)count, sizeof *values);
-    if (values == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d values", 2 * count);
-    }
+    double *values = pl_heap_new(2 * (size_t)count, sizeof *values);
     for (int i = 0; i < 2 * count; ++i) {
         values[i] = i;
     }
-    pl_status status = pl_pool_make(values, count, values + count, count, &pool, error);
-    if (status == PL_OK) {
-        status = pl_permutation_p(&pool, p, error);
-        pl_pool_free(&pool);
-    }
+    pl_pool pool = pl_pool_make(values, count, values + count, count);
+    const double p = pl_permutation_p(&pool);
+    pl_pool_free(&pool);
     free(values);
-    return status;
+    return p;
 }
 
-pl_status pl_permutation_least_count(int tests, double level, int count, int *needed,
-                                     pl_error *error)
+int pl_permutation_least_count(int tests, double level, int count)
 {
     const double least = 1.0 / (1 + PL_PERMUTATION_DRAWS);
-    *needed = 0;
-    for (double p = 1; tests * least < level && *needed == 0; ++count) {
-        const pl_status status = pl_permutation_least_p(count, &p, error);
-        if (status != PL_OK) {
-            return status;
-        }
-        *needed = tests * p < level ? count : 0;
+    if (!(tests * least < level)) {
+        return 0;
     }
-    return PL_OK;
+    while (!(tests * pl_permutation_least_p(count) < level)) {
+        ++count;
+    }
+    return count;
 }
 
-pl_status pl_split_half_noise(const double *values, int count, int n, int m, pl_noise *noise,
-                              pl_error *error)
+pl_noise pl_split_half_noise(const double *values, int count, int n, int m)
 {
-    *noise = (pl_noise){.energy = NAN, .ks = NAN};
     if (count < PL_NOISE_LEAST) {
-        return PL_OK;
+        return (pl_noise){.energy = NAN, .ks = NAN};
     }
     const int half = count / 2;
-    pl_pool pool;
     int *order = ascending_order(count);
-    pl_status status = pl_pool_make(values, half, values + half, count - half, &pool, error);
-    if (status != PL_OK || order == NULL) {
-        free(order);
-        if (status == PL_OK) {
-            pl_pool_free(&pool);
-            status = pl_fail(error, PL_NO_MEMORY, "out of memory to split %d values", count);
-        }
-        return status;
-    }
+    pl_pool pool = pl_pool_make(values, half, values + half, count - half);
     pl_random random = {.state = split_seed};
-    *noise = (pl_noise){.energy = 0};
+    pl_noise noise = {.energy = 0};
     for (int split = 0; split < PL_NOISE_SPLITS; ++split) {
         choose(&random, order, count, half);
         memset(pool.of_a, 0, (size_t)count * sizeof *pool.of_a);
         for (int i = 0; i < half; ++i) {
             pool.of_a[order[i]] = true;
         }
-        noise->energy += pl_energy_distance(&pool) / PL_NOISE_SPLITS;
-        noise->ks += pl_kolmogorov_smirnov(&pool) / PL_NOISE_SPLITS;
+        noise.energy += pl_energy_distance(&pool) / PL_NOISE_SPLITS;
+        noise.ks += pl_kolmogorov_smirnov(&pool) / PL_NOISE_SPLITS;
     }
     const double scale = (1.0 / n + 1.0 / m) / (1.0 / half + 1.0 / (count - half));
-    noise->energy *= scale;
-    noise->ks *= sqrt(scale);
+    noise.energy *= scale;
+    noise.ks *= sqrt(scale);
     free(order);
     pl_pool_free(&pool);
-    return PL_OK;
+    return noise;
 }
 
 typedef struct ranked {
@@ -268,12 +240,9 @@ static int by_p(const void *a, const void *b)
     return (x->p > y->p) - (x->p < y->p);
 }
 
-pl_status pl_holm(const double *p, int count, double *corrected, pl_error *error)
+void pl_holm(const double *p, int count, double *corrected)
 {
-    ranked *order = calloc((size_t)count + 1, sizeof *order);
-    if (order == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d tests", count);
-    }
+    ranked *order = pl_heap_new((size_t)count, sizeof *order);
     for (int i = 0; i < count; ++i) {
         order[i] = (ranked){p[i], i};
     }
@@ -284,5 +253,4 @@ pl_status pl_holm(const double *p, int count, double *corrected, pl_error *error
         corrected[order[k].index] = largest;
     }
     free(order);
-    return PL_OK;
 }

@@ -23,10 +23,8 @@ typedef struct pl_pool {
     bool *of_a;     /* (count): whether the value is of the first sample */
 } pl_pool;
 
-/* Pools two samples into *pool, which the caller frees. Both counts >= 1, all values finite.
- * PL_NO_MEMORY leaves the pool empty. */
-pl_status pl_pool_make(const double *a, int count_a, const double *b, int count_b, pl_pool *pool,
-                       pl_error *error);
+/* Pools two samples. The caller frees the pool. Both counts >= 1, all values finite. */
+pl_pool pl_pool_make(const double *a, int count_a, const double *b, int count_b);
 
 /* Frees the arrays and empties *pool. */
 void pl_pool_free(pl_pool *pool);
@@ -47,21 +45,20 @@ enum {
  * is at least that of the pool. Up to 100,000 divisions are all counted; otherwise
  * PL_PERMUTATION_DRAWS random ones are, and the share is (1 + hits) / (1 + draws), which is never 0
  * (Phipson and Smyth 2010). Leaves the pool unchanged. */
-pl_status pl_permutation_p(const pl_pool *pool, double *p, pl_error *error);
+double pl_permutation_p(const pl_pool *pool);
 
 /* The smallest p that pl_permutation_p gives for two samples of `count` >= 1 different values each:
  * that of samples of which one lies below the other. No division of the pooled values is farther
  * apart, because |F - G| is then the largest that there is at every value. Up to 9 values it is
  * 2 / C(2 count, count), because samples of equal size may change places; above, it is
  * (1 + hits) / (1 + PL_PERMUTATION_DRAWS), where hits are the draws of that very division. */
-pl_status pl_permutation_least_p(int count, double *p, pl_error *error);
+double pl_permutation_least_p(int count);
 
-/* Sets *needed to the fewest values, `count` or more, in each of two samples with which one of
+/* The fewest values, `count` or more, in each of two samples with which one of
  * `tests` >= 1 such tests can reach a corrected p below `level` at all: with which tests times the
  * smallest p is below it, because pl_holm multiplies the smallest p by the number of tests. 0: no
  * number is enough. */
-pl_status pl_permutation_least_count(int tests, double level, int count, int *needed,
-                                     pl_error *error);
+int pl_permutation_least_count(int tests, double level, int count);
 
 /* A sample's own noise. */
 typedef struct pl_noise {
@@ -73,12 +70,11 @@ typedef struct pl_noise {
  * this sample: the mean over PL_NOISE_SPLITS random splits into halves of sizes h and h', scaled by
  * (1/n + 1/m) / (1/h + 1/h') for the energy distance and by the square root of that for the
  * Kolmogorov-Smirnov distance. NAN for fewer values than PL_NOISE_LEAST. */
-pl_status pl_split_half_noise(const double *values, int count, int n, int m, pl_noise *noise,
-                              pl_error *error);
+pl_noise pl_split_half_noise(const double *values, int count, int n, int m);
 
 /* Holm's step-down correction for many tests (1979): where corrected[i] <= a, test i rejects while
  * the chance of any false rejection among all `count` stays at a. With p ascending, the k-th (from
  * 0) is the largest of min(1, (count - j) p_j) over j <= k. */
-pl_status pl_holm(const double *p, int count, double *corrected, pl_error *error);
+void pl_holm(const double *p, int count, double *corrected);
 
 #endif

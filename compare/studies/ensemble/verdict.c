@@ -1,6 +1,7 @@
 /* Permutation tests of all pairs of ensembles, with Holm's correction, and their wording. */
 #include "verdict.h"
 
+#include "base/heap.h"
 #include "two_sample.h"
 
 #include <math.h>
@@ -35,13 +36,10 @@ pl_status pl_verdicts_possible(const pl_ensembles *ensembles, pl_error *error)
 {
     const int tests = pl_verdicts_planned(ensembles), members = ensembles->members;
     const double level = 100 * pl_significance;
-    int needed = members;
-    pl_status status = PL_OK;
-    if (tests > 0) {
-        status = pl_permutation_least_count(tests, pl_significance, members, &needed, error);
-    }
-    if (status != PL_OK || needed == members) {
-        return status;
+    const int needed =
+        tests > 0 ? pl_permutation_least_count(tests, pl_significance, members) : members;
+    if (needed == members) {
+        return PL_OK;
     }
     if (needed == 0) {
         return pl_fail(error, PL_BAD_INPUT,
@@ -56,52 +54,33 @@ pl_status pl_verdicts_possible(const pl_ensembles *ensembles, pl_error *error)
 }
 
 /* Compares an observable of two ensembles, without the correction. */
-static pl_status compare(const pl_sample *a, const pl_sample *b, pl_sample_test *comparison,
-                         pl_error *error)
+static void compare(const pl_sample *a, const pl_sample *b, pl_sample_test *comparison)
 {
-    pl_pool pool;
-    pl_noise noise_a, noise_b;
-    pl_status status = pl_pool_make(a->values, a->count, b->values, b->count, &pool, error);
-    if (status != PL_OK) {
-        return status;
-    }
+    const pl_noise noise_a = pl_split_half_noise(a->values, a->count, a->count, b->count),
+                   noise_b = pl_split_half_noise(b->values, b->count, a->count, b->count);
+    pl_pool pool = pl_pool_make(a->values, a->count, b->values, b->count);
     comparison->energy = pl_energy_distance(&pool);
     comparison->ks = pl_kolmogorov_smirnov(&pool);
-    status = pl_permutation_p(&pool, &comparison->p, error);
+    comparison->p = pl_permutation_p(&pool);
+    comparison->energy_floor = fmax(noise_a.energy, noise_b.energy);
+    comparison->ks_floor = fmax(noise_a.ks, noise_b.ks);
     pl_pool_free(&pool);
-    if (status == PL_OK) {
-        status = pl_split_half_noise(a->values, a->count, a->count, b->count, &noise_a, error);
-    }
-    if (status == PL_OK) {
-        status = pl_split_half_noise(b->values, b->count, a->count, b->count, &noise_b, error);
-    }
-    if (status == PL_OK) {
-        comparison->energy_floor = fmax(noise_a.energy, noise_b.energy);
-        comparison->ks_floor = fmax(noise_a.ks, noise_b.ks);
-    }
-    return status;
 }
 
-static pl_status correct(pl_verdicts *verdicts, pl_error *error)
+static void correct(pl_verdicts *verdicts)
 {
-    size_t count = (size_t)verdicts->count + 1;
-    double *p = calloc(count, sizeof *p), *corrected = calloc(count, sizeof *corrected);
-    pl_status status = p == NULL || corrected == NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for the verdicts")
-                           : PL_OK;
-    for (int i = 0; i < verdicts->count && status == PL_OK; ++i) {
+    const size_t count = (size_t)verdicts->count;
+    double *p = pl_heap_new(count, sizeof *p), *corrected = pl_heap_new(count, sizeof *corrected);
+    for (int i = 0; i < verdicts->count; ++i) {
         p[i] = verdicts->items[i].p;
     }
-    if (status == PL_OK) {
-        status = pl_holm(p, verdicts->count, corrected, error);
-    }
-    for (int i = 0; i < verdicts->count && status == PL_OK; ++i) {
+    pl_holm(p, verdicts->count, corrected);
+    for (int i = 0; i < verdicts->count; ++i) {
         verdicts->items[i].corrected = corrected[i];
         verdicts->items[i].apart = corrected[i] < pl_significance;
     }
     free(p);
     free(corrected);
-    return status;
 }
 
 /* Whether there is nothing to compare, such as the time of settling where no member settled. Such
@@ -120,40 +99,33 @@ static bool all_equal(const pl_sample *a, const pl_sample *b)
 }
 
 /* Adds the tests of all observables of two ensembles. */
-static pl_status add_pair(const pl_ensemble_view *views, int a, int b, pl_verdicts *verdicts,
-                          pl_error *error)
+static void add_pair(const pl_ensemble_view *views, int a, int b, pl_verdicts *verdicts)
 {
-    pl_status status = PL_OK;
-    for (int i = 0; i < PL_METRIC_COUNT && status == PL_OK; ++i) {
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         const pl_sample *of_a = &views[a].observed.samples[i];
         const pl_sample *of_b = &views[b].observed.samples[i];
         if (of_a->count > 1 && of_b->count > 1 && !all_equal(of_a, of_b)) {
             pl_sample_test *comparison = &verdicts->items[verdicts->count];
             *comparison = (pl_sample_test){.a = a, .b = b, .observable = i};
-            status = compare(of_a, of_b, comparison, error);
+            compare(of_a, of_b, comparison);
             verdicts->count += 1;
         }
     }
-    return status;
 }
 
-pl_status pl_verdicts_reach(const pl_ensemble_view *views, int count, pl_verdicts *verdicts,
-                            pl_error *error)
+pl_verdicts pl_verdicts_reach(const pl_ensemble_view *views, int count)
 {
-    size_t most = (size_t)count * (size_t)count / 2 * PL_METRIC_COUNT + 1;
-    pl_status status = PL_OK;
-    *verdicts = (pl_verdicts){.items = calloc(most, sizeof *verdicts->items)};
-    if (verdicts->items == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for the verdicts");
-    }
+    const size_t most = (size_t)count * (size_t)count / 2 * PL_METRIC_COUNT;
+    pl_verdicts verdicts = {.items = pl_heap_new(most, sizeof *verdicts.items)};
     for (int a = 0; a < count; ++a) {
-        for (int b = a + 1; b < count && status == PL_OK; ++b) {
+        for (int b = a + 1; b < count; ++b) {
             if (comparable(&views[a].ensemble, &views[b].ensemble)) {
-                status = add_pair(views, a, b, verdicts, error);
+                add_pair(views, a, b, &verdicts);
             }
         }
     }
-    return status == PL_OK ? correct(verdicts, error) : status;
+    correct(&verdicts);
+    return verdicts;
 }
 
 void pl_verdicts_free(pl_verdicts *verdicts)

@@ -47,9 +47,8 @@ int pl_verdicts_planned(const pl_ensembles *ensembles);
  * out significant, whatever the members do; the error says how many are needed. */
 pl_status pl_verdicts_possible(const pl_ensembles *ensembles, pl_error *error);
 
-/* Compares all pairs, and corrects over all of them. The caller frees *verdicts in any case. */
-pl_status pl_verdicts_reach(const pl_ensemble_view *views, int count, pl_verdicts *verdicts,
-                            pl_error *error);
+/* Compares all pairs, and corrects over all of them. The caller frees the verdicts. */
+pl_verdicts pl_verdicts_reach(const pl_ensemble_view *views, int count);
 
 /* Frees the comparisons. */
 void pl_verdicts_free(pl_verdicts *verdicts);

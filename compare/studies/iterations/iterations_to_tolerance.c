@@ -32,35 +32,31 @@ typedef struct searches {
 } searches;
 
 /* Whether a run of the pair is still to be made. */
-static pl_status is_due(const pl_execution_def *how, const pl_planned_run *pair, bool *due,
-                        pl_error *error)
+static bool is_due(const pl_execution_def *how, const pl_planned_run *pair)
 {
-    pl_status status = PL_OK;
-    *due = how->store == NULL;
-    for (int repeat = 0; repeat < how->plan->repeats && !*due && status == PL_OK; ++repeat) {
+    bool due = how->store == NULL;
+    for (int repeat = 0; repeat < how->plan->repeats && !due; ++repeat) {
         const pl_planned_run run = {pair->test_case, pair->configuration, repeat};
         char hash[17];
-        status = pl_planned_run_hash(how->plan, &run, hash, error);
-        *due = status == PL_OK && pl_store_find(how->store, hash) == NULL;
+        pl_planned_run_hash(how->plan, &run, hash);
+        due = pl_store_find(how->store, hash) == NULL;
     }
-    return status;
+    return due;
 }
 
 /* Adds the search of a pair, unless there is nothing to search. */
-static pl_status add_search(searches *all, int test_case, int configuration, pl_error *error)
+static void add_search(searches *all, int test_case, int configuration)
 {
     const pl_plan *plan = all->how->plan;
     const pl_planned_run pair = {&plan->cases[test_case], &plan->configurations[configuration], 0};
     const pl_engine_info *engine = pair.configuration->choice.engine;
     const int option = pl_engine_option_index(engine, "iterations");
-    bool due = false;
     if (option < 0 || pair.test_case->scene.primary_error[0] == '\0') {
-        return PL_OK;
+        return;
     }
     const long least = (long)fmax(1, ceil(engine->options[option].min)),
                most = (long)fmin(PL_MOST_ITERATIONS, floor(engine->options[option].max));
-    const pl_status status = is_due(all->how, &pair, &due, error);
-    if (status == PL_OK && due && least <= most) {
+    if (least <= most && is_due(all->how, &pair)) {
         const search added = {.test_case = test_case,
                               .configuration = configuration,
                               .option = option,
@@ -68,7 +64,6 @@ static pl_status add_search(searches *all, int test_case, int configuration, pl_
                               .most = pl_budget_most_trials(least, most)};
         pl_push(&all->items, &all->count, &added, sizeof added);
     }
-    return status;
 }
 
 /* Sets the metric of a search that has ended. */
@@ -128,17 +123,15 @@ static pl_status take(void *user, json_t *result, pl_error *error)
 }
 
 /* Adds the scene of a search with its next number of iterations to the round. */
-static pl_status add_trial(pl_plan *round, const pl_plan *plan, search *s, pl_error *error)
+static void add_trial(pl_plan *round, const pl_plan *plan, search *s)
 {
     pl_configuration trial = plan->configurations[s->configuration];
     trial.choice.values[s->option] = (double)pl_budget_next(&s->budgets);
     pl_engine_choice_label(&trial.choice, trial.label);
     const pl_planned_run planned = {&round->cases[s->test_case], &trial, 0};
-    const pl_status status = pl_planned_run_hash(round, &planned, s->run, error);
+    pl_planned_run_hash(round, &planned, s->run);
     pl_push(&round->configurations, &round->configuration_count, &trial, sizeof trial);
-    return status == PL_OK
-               ? pl_plan_add_pairing(round, s->test_case, round->configuration_count - 1, error)
-               : status;
+    pl_plan_add_pairing(round, s->test_case, round->configuration_count - 1);
 }
 
 /* One trial of every search that is not over. `cases` are those of the plan, with the study. */
@@ -148,20 +141,17 @@ static pl_status run_round(searches *all, pl_case *cases, int *signal_number, pl
     pl_plan round = {
         .cases = cases, .case_count = plan->case_count, .repeats = 1, .seed = plan->seed};
     pl_execution_def execution = *all->how;
-    pl_status status = PL_OK;
-    for (int i = 0; i < all->count && status == PL_OK; ++i) {
+    for (int i = 0; i < all->count; ++i) {
         if (all->items[i].budgets.state == PL_BUDGET_SEARCHING) {
-            status = add_trial(&round, plan, &all->items[i], error);
+            add_trial(&round, plan, &all->items[i]);
         }
     }
-    if (status == PL_OK) {
-        execution.plan = &round;
-        execution.recordings = NULL;
-        execution.bar = &all->bar;
-        execution.user = all;
-        execution.take = take;
-        status = pl_execute(&execution, signal_number, error);
-    }
+    execution.plan = &round;
+    execution.recordings = NULL;
+    execution.bar = &all->bar;
+    execution.user = all;
+    execution.take = take;
+    const pl_status status = pl_execute(&execution, signal_number, error);
     free(round.configurations);
     free(round.pairings);
     return status;
@@ -227,26 +217,22 @@ pl_status pl_tolerance_execute(const pl_execution_def *how, int *signal_number, 
     const pl_plan *plan = how->plan;
     searches all = {.how = how};
     long runs = pl_execution_due(how);
-    pl_status status = PL_OK;
-    for (int i = 0; i < plan->case_count * plan->configuration_count && status == PL_OK; ++i) {
-        status =
-            add_search(&all, i / plan->configuration_count, i % plan->configuration_count, error);
+    for (int i = 0; i < plan->case_count * plan->configuration_count; ++i) {
+        add_search(&all, i / plan->configuration_count, i % plan->configuration_count);
     }
     for (int i = 0; i < all.count; ++i) {
         runs += all.items[i].most;
     }
-    if (status == PL_OK) {
-        pl_execution_def execution = *how;
-        all.bar = pl_progress_begin(how->progress, runs, pl_monotonic_seconds());
-        execution.bar = &all.bar;
-        execution.user = &all;
-        execution.amend = amend;
-        status = run_searches(&all, signal_number, error);
-        if (status == PL_OK && *signal_number == 0) {
-            status = pl_execute(&execution, signal_number, error);
-        }
-        pl_progress_end(&all.bar);
+    pl_execution_def execution = *how;
+    all.bar = pl_progress_begin(how->progress, runs, pl_monotonic_seconds());
+    execution.bar = &all.bar;
+    execution.user = &all;
+    execution.amend = amend;
+    pl_status status = run_searches(&all, signal_number, error);
+    if (status == PL_OK && *signal_number == 0) {
+        status = pl_execute(&execution, signal_number, error);
     }
+    pl_progress_end(&all.bar);
     free(all.items);
     return status;
 }

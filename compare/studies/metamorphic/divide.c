@@ -1,5 +1,6 @@
 #include "divide.h"
 
+#include "base/heap.h"
 #include "plumb/vec.h"
 #include "transform.h"
 
@@ -125,12 +126,10 @@ pl_status pl_tessellate_boxes(const pl_scene *from, int n, pl_scene *to, pl_erro
 {
     const size_t points = (size_t)(n + 1) * (size_t)(n + 1) * (size_t)(n + 1);
     grid g = {.n = n,
-              .index = calloc(points, sizeof *g.index),
-              .vertices = calloc(points, sizeof *g.vertices),
-              .triangles = calloc((size_t)12 * (size_t)n * (size_t)n, sizeof *g.triangles)};
-    pl_status status = g.index == NULL || g.vertices == NULL || g.triangles == NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for a mesh")
-                           : pl_scene_copy_unjudged(from, to, error);
+              .index = pl_heap_new(points, sizeof *g.index),
+              .vertices = pl_heap_new(points, sizeof *g.vertices),
+              .triangles = pl_heap_new((size_t)12 * (size_t)n * (size_t)n, sizeof *g.triangles)};
+    pl_status status = pl_scene_copy_unjudged(from, to, error);
     bool is_copied = status == PL_OK;
     for (int i = 0; i < from->body_count && status == PL_OK; ++i) {
         if (is_static_box(&from->bodies[i])) {

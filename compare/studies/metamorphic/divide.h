@@ -10,7 +10,7 @@ int pl_static_box_count(const pl_scene *scene);
 
 /* The scene with each static box split in two flush boxes of half the size along its own axis 0, 1 or 2
  * (x, y, z). The second halves follow all other bodies. Without the original's expectations. The caller
- * frees *to, which is left empty on failure. PL_NO_MEMORY; PL_BAD_INPUT when there are too many bodies, or
+ * frees *to, which is left empty on failure. PL_BAD_INPUT when there are too many bodies, or
  * their names are taken. */
 pl_status pl_split_boxes(const pl_scene *from, int axis, pl_scene *to, pl_error *error);
 

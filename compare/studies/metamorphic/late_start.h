@@ -19,8 +19,7 @@
 bool pl_late_start_is_known(const pl_scene *scene, double fraction, const char **reason);
 
 /* The scene that starts `fraction` of a step later and ends at a whole step before its end. Without the
- * original's expectations. The motion must be known. The caller frees *to, which is left empty on failure.
- * PL_NO_MEMORY. */
+ * original's expectations. The motion must be known. The caller frees *to, which is left empty on failure. */
 pl_status pl_late_start_scene(const pl_scene *from, double fraction, pl_scene *to, pl_error *error);
 
 /* The state of a body `fraction` of a step of dt (s) after `now`, with the mean accelerations of the step to

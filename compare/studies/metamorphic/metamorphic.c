@@ -227,7 +227,7 @@ static pl_status prepare_check(work *w, pair *p, const pl_check *check, pl_error
     }
     if (status == PL_OK) {
         const pl_planned_run planned = planned_run(p, &r.test_case);
-        status = pl_planned_run_hash(p->plan, &planned, r.run, error);
+        pl_planned_run_hash(p->plan, &planned, r.run);
     }
     pl_push(&p->others, &p->other_count, &r, sizeof r);
     return status;
@@ -294,8 +294,7 @@ static json_t *made_checks(const json_t *results)
     return made;
 }
 
-static pl_status begin_pair(const work *w, const pl_plan *plan, const pl_planned_run *planned,
-                            pair *p, pl_error *error)
+static void begin_pair(const work *w, const pl_plan *plan, const pl_planned_run *planned, pair *p)
 {
     int count = 0;
     const pl_check *checks = pl_checks(&count);
@@ -305,14 +304,13 @@ static pl_status begin_pair(const work *w, const pl_plan *plan, const pl_planned
                 .plain = {.test_case = *planned->test_case}};
     p->plain.test_case.study = json_pack("{s:s, s:s}", "name", "metamorphic", "check", "plain");
     const pl_planned_run plain = planned_run(p, &p->plain.test_case);
-    const pl_status status = pl_planned_run_hash(plan, &plain, p->plain.run, error);
+    pl_planned_run_hash(plan, &plain, p->plain.run);
     const json_t *known = pl_store_find(w->how->store, p->plain.run);
     for (int i = 0; i < count; ++i) {
         p->missing += w->chosen[i] && !has_check(w, p, &checks[i]);
     }
     p->is_known = known != NULL;
     p->is_due = known == NULL || (p->missing > 0 && finished(known));
-    return status;
 }
 
 static void end_pair(pair *p)
@@ -340,9 +338,9 @@ pl_status pl_metamorphic_run(const pl_plan *plan, const bool *chosen, const pl_e
     pair *pairs = pl_heap_new((size_t)count, sizeof *pairs);
     pl_status status = PL_OK;
     long total = 0;
-    for (long i = 0; i < count && status == PL_OK; ++i) {
+    for (long i = 0; i < count; ++i) {
         const pl_planned_run planned = pl_plan_run(plan, i);
-        status = begin_pair(&w, plan, &planned, &pairs[i], error);
+        begin_pair(&w, plan, &planned, &pairs[i]);
         total += pairs[i].is_due ? 1 + pairs[i].missing : 0;
     }
     if (how->progress != NULL) {

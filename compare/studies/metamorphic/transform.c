@@ -1,6 +1,7 @@
 /* Transforms of scenes, restarts and the offset of far copies. */
 #include "transform.h"
 
+#include "base/heap.h"
 #include "plumb/vec.h"
 #include "referee/geometry/solid.h"
 
@@ -194,9 +195,9 @@ pl_status pl_scene_copy_unjudged(const pl_scene *from, pl_scene *to, pl_error *e
     *to = pl_scene_default();
     char *text = pl_scene_to_text(&test_case);
     if (text == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for a copy of a scene");
+        pl_out_of_memory();
     }
-    pl_status status = pl_scene_read_text(text, strlen(text), from->name, to, error);
+    const pl_status status = pl_scene_read_text(text, strlen(text), from->name, to, error);
     free(text);
     return status;
 }
@@ -302,9 +303,8 @@ static void transform_scene(const pl_transform *t, pl_scene *scene)
 static pl_status add_copies(const pl_transform *t, pl_scene *scene, pl_error *error)
 {
     const int body_count = scene->body_count, force_count = scene->force_count;
-    int *copy_of = calloc((size_t)body_count + 1, sizeof *copy_of);
-    pl_status status =
-        copy_of == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for copies") : PL_OK;
+    int *copy_of = pl_heap_new((size_t)body_count, sizeof *copy_of);
+    pl_status status = PL_OK;
     for (int i = 0; i < body_count && status == PL_OK; ++i) {
         pl_body body = scene->bodies[i];
         if (body.shape.kind != PL_SHAPE_PLANE) {
@@ -324,13 +324,10 @@ static pl_status add_copies(const pl_transform *t, pl_scene *scene, pl_error *er
     return status == PL_OK ? pl_scene_validate(scene, error) : status;
 }
 
-static pl_status reorder(const pl_transform *t, pl_scene *scene, pl_error *error)
+static void reorder(const pl_transform *t, pl_scene *scene)
 {
     const int count = scene->body_count;
-    pl_body *bodies = calloc((size_t)count + 1, sizeof *bodies);
-    if (bodies == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for bodies in another order");
-    }
+    pl_body *bodies = pl_heap_new((size_t)count, sizeof *bodies);
     memcpy(bodies, scene->bodies, (size_t)count * sizeof *bodies);
     for (int i = 0; i < count; ++i) {
         scene->bodies[pl_transform_index(t, i, count)] = bodies[i];
@@ -339,7 +336,6 @@ static pl_status reorder(const pl_transform *t, pl_scene *scene, pl_error *error
     for (int i = 0; i < scene->force_count; ++i) {
         scene->forces[i].body = pl_transform_index(t, scene->forces[i].body, count);
     }
-    return PL_OK;
 }
 
 pl_status pl_transform_scene(const pl_transform *transform, const pl_scene *from, pl_scene *to,
@@ -350,7 +346,7 @@ pl_status pl_transform_scene(const pl_transform *transform, const pl_scene *from
         status = add_copies(transform, to, error);
     }
     if (status == PL_OK && transform->order != PL_ORDER_SAME) {
-        status = reorder(transform, to, error);
+        reorder(transform, to);
     }
     if (status == PL_OK) {
         transform_scene(transform, to);

@@ -42,12 +42,11 @@ pl_transform pl_transform_order(pl_body_order order);
 pl_transform pl_transform_copy(const double offset[3]);
 
 /* A deep copy of a valid scene, without its expectations. Forces come in the order of their bodies; polyhedra
- * with neither a name nor a body are left out. The caller frees *to, which is left empty on failure.
- * PL_NO_MEMORY. */
+ * with neither a name nor a body are left out. The caller frees *to, which is left empty on failure. */
 pl_status pl_scene_copy_unjudged(const pl_scene *from, pl_scene *to, pl_error *error);
 
 /* The transformed scene, without the original's expectations. The caller frees *to, which is left
- * empty on failure. PL_NO_MEMORY; PL_BAD_INPUT when there are too many bodies with the copies, or
+ * empty on failure. PL_BAD_INPUT when there are too many bodies with the copies, or
  * their names are taken. */
 pl_status pl_transform_scene(const pl_transform *transform, const pl_scene *from, pl_scene *to,
                              pl_error *error);

@@ -1,5 +1,6 @@
 #include "after_horizon.h"
 
+#include "base/heap.h"
 #include "plumb/jitter.h"
 #include "studies/ensemble/horizon.h"
 #include "studies/ensemble/sample.h"
@@ -51,16 +52,11 @@ static pl_status run_crowd(const pl_reference_def *def, crowd *c, int *signal_nu
     if (status != PL_OK) {
         return status;
     }
-    const pl_execution_def execution = {.plan = &c->plan,
-                                        .jobs = def->execution.jobs,
-                                        .limits = def->execution.limits,
-                                        .positions = def->execution.positions,
-                                        .needs_positions = true,
-                                        .provenance = def->execution.provenance,
-                                        .store = def->execution.store,
-                                        .bar = def->execution.bar,
-                                        .user = c->results,
-                                        .take = keep_result};
+    pl_execution_def execution = def->execution;
+    execution.plan = &c->plan;
+    execution.needs_positions = true;
+    execution.user = c->results;
+    execution.take = keep_result;
     if (execution.bar != NULL) {
         execution.bar->total += pl_plan_size(&c->plan);
     }
@@ -104,14 +100,14 @@ static int ends_of(const crowd *c, int ensemble, int body, int axis,
 
 /* Pools the ends of the reference's members and of an engine's. Fewer than two on a side leave the
  * pool empty. */
-static pl_status pool_ends(const crowd *own, const crowd *others, const pl_end_test *test,
-                           int scene_body, pl_pool *pool, pl_error *error)
+static pl_pool pool_ends(const crowd *own, const crowd *others, const pl_end_test *test,
+                         int scene_body)
 {
     double a[PL_REFERENCE_MEMBERS], b[PL_REFERENCE_MEMBERS];
     const int count_a = ends_of(own, 0, scene_body, test->axis, a);
     const int count_b = ends_of(others, test->engine, scene_body, test->axis, b);
-    *pool = (pl_pool){.count = 0};
-    return count_a < 2 || count_b < 2 ? PL_OK : pl_pool_make(a, count_a, b, count_b, pool, error);
+    return count_a < 2 || count_b < 2 ? (pl_pool){.count = 0}
+                                      : pl_pool_make(a, count_a, b, count_b);
 }
 
 static int by_ks(const void *a, const void *b)
@@ -121,63 +117,50 @@ static int by_ks(const void *a, const void *b)
 }
 
 /* The chance of each difference; the tests come in the order of decreasing differences. */
-static pl_status find_chances(const crowd *own, const crowd *others, const pl_reference *reference,
-                              pl_after_horizon *after, pl_error *error)
+static void find_chances(const crowd *own, const crowd *others, const pl_reference *reference,
+                         pl_after_horizon *after)
 {
-    const size_t count = (size_t)after->test_count + 1;
-    double *p = calloc(count, sizeof *p), *corrected = calloc(count, sizeof *corrected);
-    pl_status status = p == NULL || corrected == NULL
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for tests")
-                           : PL_OK;
+    const size_t count = (size_t)after->test_count;
+    double *p = pl_heap_new(count, sizeof *p), *corrected = pl_heap_new(count, sizeof *corrected);
     qsort(after->tests, (size_t)after->test_count, sizeof *after->tests, by_ks);
-    for (int i = 0; i < after->test_count && status == PL_OK; ++i) {
+    for (int i = 0; i < after->test_count; ++i) {
         pl_end_test *test = &after->tests[i];
-        pl_pool pool = {.count = 0};
         test->p = 1;
         if (i < PL_REFERENCE_MOST_TESTS) {
-            status = pool_ends(own, others, test, reference->body[test->body], &pool, error);
+            pl_pool pool = pool_ends(own, others, test, reference->body[test->body]);
+            test->p = pl_permutation_p(&pool);
+            pl_pool_free(&pool);
         }
-        if (status == PL_OK && pool.count > 0) {
-            status = pl_permutation_p(&pool, &test->p, error);
-        }
-        pl_pool_free(&pool);
         p[i] = test->p;
     }
-    if (status == PL_OK) {
-        status = pl_holm(p, after->test_count, corrected, error);
-    }
-    for (int i = 0; i < after->test_count && status == PL_OK; ++i) {
+    pl_holm(p, after->test_count, corrected);
+    for (int i = 0; i < after->test_count; ++i) {
         after->tests[i].corrected = corrected[i];
     }
     free(p);
     free(corrected);
-    return status;
 }
 
-static pl_status test_ends(const crowd *own, const crowd *others, const pl_reference *reference,
-                           pl_after_horizon *after, pl_error *error)
+static void test_ends(const crowd *own, const crowd *others, const pl_reference *reference,
+                      pl_after_horizon *after)
 {
-    pl_status status = PL_OK;
-    after->tests = calloc(3 * (size_t)reference->bodies * (size_t)others->ensembles.count + 1,
-                          sizeof *after->tests);
-    if (after->tests == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for tests");
-    }
+    after->tests = pl_heap_new(3 * (size_t)reference->bodies * (size_t)others->ensembles.count,
+                               sizeof *after->tests);
     for (int e = 0; e < others->ensembles.count; ++e) {
-        for (int k = 0; k < 3 * reference->bodies && status == PL_OK; ++k) {
+        for (int k = 0; k < 3 * reference->bodies; ++k) {
             pl_end_test test = {.engine = e, .body = k / 3, .axis = k % 3};
             pl_pool pool = {.count = 0};
             if (reference->horizon[test.body] < reference->samples) {
-                status = pool_ends(own, others, &test, reference->body[test.body], &pool, error);
+                pool = pool_ends(own, others, &test, reference->body[test.body]);
             }
-            if (status == PL_OK && pool.count > 0) {
+            if (pool.count > 0) {
                 test.ks = pl_kolmogorov_smirnov(&pool);
                 after->tests[after->test_count++] = test;
             }
             pl_pool_free(&pool);
         }
     }
-    return status == PL_OK ? find_chances(own, others, reference, after, error) : status;
+    find_chances(own, others, reference, after);
 }
 
 /* ---- The whole ---- */
@@ -211,14 +194,14 @@ static pl_status compare_crowds(const pl_reference_def *def, const pl_reference_
         after->made = true;
         find_parting(&own, def->execution.positions, after);
     }
-    for (int i = 0; i < plan->configuration_count && status == PL_OK; ++i) {
-        status = pl_plan_add_choice(&others.plan, &plan->configurations[i].choice,
-                                    plan->configurations[i].label, NULL, error);
+    for (int i = 0; i < plan->configuration_count; ++i) {
+        pl_plan_add_choice(&others.plan, &plan->configurations[i].choice,
+                           plan->configurations[i].label);
     }
     if (status == PL_OK && *signal_number == 0 && after->chaotic) {
         status = run_crowd(def, &others, signal_number, error);
         if (status == PL_OK && *signal_number == 0) {
-            status = test_ends(&own, &others, verdict->reference, after, error);
+            test_ends(&own, &others, verdict->reference, after);
         }
     }
     free_crowd(&own);
@@ -333,8 +316,8 @@ static void add_beginning(pl_text_buffer *text, const pl_reference_verdict *v,
                    (double)after->from * v->reference->interval, PL_REFERENCE_MEMBERS);
 }
 
-static pl_status say_unconverged(const pl_reference_verdict *v, const pl_after_horizon *after,
-                                 json_t *sentences, bool *wanted, pl_error *error)
+static void say_unconverged(const pl_reference_verdict *v, const pl_after_horizon *after,
+                            json_t *sentences, bool *wanted)
 {
     pl_text_buffer text = {0};
     pl_text_add(&text, "The reference");
@@ -342,15 +325,14 @@ static pl_status say_unconverged(const pl_reference_verdict *v, const pl_after_h
     pl_text_format(
         &text, " has not converged from t = %.2g s on, and no engine is judged there%s%s",
         (double)after->from * v->reference->interval, after->made ? "" : ": ", after->reason);
-    return pl_sentence_add(sentences, &text, error);
+    pl_sentence_add(sentences, &text);
 }
 
-static pl_status say_ensembles(const pl_reference_verdict *v, const pl_after_horizon *after,
-                               json_t *sentences, bool *wanted, pl_error *error)
+static void say_ensembles(const pl_reference_verdict *v, const pl_after_horizon *after,
+                          json_t *sentences, bool *wanted)
 {
-    pl_status status = PL_OK;
     bool begun = false;
-    for (int e = 0; e < v->engine_count && status == PL_OK; ++e) {
+    for (int e = 0; e < v->engine_count; ++e) {
         pl_text_buffer text = {0}, difference = {0};
         if (add_difference(&difference, v, after, e, wanted)) {
             if (begun) {
@@ -358,36 +340,28 @@ static pl_status say_ensembles(const pl_reference_verdict *v, const pl_after_hor
             } else {
                 add_beginning(&text, v, after, wanted);
             }
-            pl_text_add(&text, difference.data == NULL ? "" : difference.data);
+            pl_text_add(&text, difference.data);
             begun = true;
-            status = pl_sentence_add(sentences, &text, error);
+            pl_sentence_add(sentences, &text);
         }
         pl_text_free(&difference);
     }
-    if (!begun && status == PL_OK) {
+    if (!begun) {
         pl_text_buffer text = {0};
         add_beginning(&text, v, after, wanted);
         pl_text_add(&text, "no engine differs from the reference in where a body ends");
-        status = pl_sentence_add(sentences, &text, error);
+        pl_sentence_add(sentences, &text);
     }
-    return status;
 }
 
-pl_status pl_after_horizon_sentences(const pl_reference_verdict *v, const pl_after_horizon *after,
-                                     json_t *sentences, pl_error *error)
+void pl_after_horizon_sentences(const pl_reference_verdict *v, const pl_after_horizon *after,
+                                json_t *sentences)
 {
     const pl_reference *reference = v->reference;
     if (after->from == reference->samples) {
-        return PL_OK;
+        return;
     }
-    bool *wanted = calloc((size_t)reference->bodies, sizeof *wanted);
-    pl_status status =
-        wanted == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for a sentence") : PL_OK;
-    if (status == PL_OK && !after->chaotic) {
-        status = say_unconverged(v, after, sentences, wanted, error);
-    } else if (status == PL_OK) {
-        status = say_ensembles(v, after, sentences, wanted, error);
-    }
+    bool *wanted = pl_heap_new((size_t)reference->bodies, sizeof *wanted);
+    (after->chaotic ? say_ensembles : say_unconverged)(v, after, sentences, wanted);
     free(wanted);
-    return status;
 }

@@ -45,10 +45,9 @@ typedef struct pl_after_horizon {
 pl_status pl_after_horizon_make(const pl_reference_def *def, const pl_reference_verdict *verdict,
                                 pl_after_horizon *after, int *signal_number, pl_error *error);
 
-/* Appends the sentences to an array of strings. PL_NO_MEMORY. */
-pl_status pl_after_horizon_sentences(const pl_reference_verdict *verdict,
-                                     const pl_after_horizon *after, json_t *sentences,
-                                     pl_error *error);
+/* Appends the sentences to an array of strings. */
+void pl_after_horizon_sentences(const pl_reference_verdict *verdict, const pl_after_horizon *after,
+                                json_t *sentences);
 
 /* Frees the tests. */
 void pl_after_horizon_free(pl_after_horizon *after);

@@ -17,35 +17,32 @@ static bool all_finite(const double *values, size_t count)
     return true;
 }
 
-pl_status pl_body_paths_read(const char *folder, const char *run, const pl_scene *scene,
-                             long stride, pl_body_paths *paths, pl_error *error)
+pl_body_paths pl_body_paths_read(const char *folder, const char *run, const pl_scene *scene,
+                                 long stride)
 {
     const long whole = pl_scene_steps(scene) / stride + 1;
     const double interval = (double)stride * scene->dt;
     pl_positions_reader reader;
-    *paths = (pl_body_paths){.bodies = pl_positions_bodies(scene)};
-    const size_t row = 3 * (size_t)paths->bodies;
+    pl_body_paths paths = {.bodies = pl_positions_bodies(scene)};
+    const size_t row = 3 * (size_t)paths.bodies;
     char *path = pl_positions_path(folder, run);
-    if (path == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for a path");
-    }
     const bool is_open = pl_positions_open(path, &reader);
     free(path);
-    if (!is_open || reader.bodies != paths->bodies || reader.interval != interval) {
+    if (!is_open || reader.bodies != paths.bodies || reader.interval != interval) {
         pl_positions_close(&reader);
-        return PL_OK;
+        return paths;
     }
-    paths->moved = pl_heap_new((size_t)whole * row, sizeof *paths->moved);
-    while (paths->samples < whole) {
-        double *sample = &paths->moved[(size_t)paths->samples * row];
+    paths.moved = pl_heap_new((size_t)whole * row, sizeof *paths.moved);
+    while (paths.samples < whole) {
+        double *sample = &paths.moved[(size_t)paths.samples * row];
         if (!pl_positions_read(&reader, sample) || !all_finite(sample, row)) {
             break;
         }
-        paths->samples += 1;
+        paths.samples += 1;
     }
     pl_positions_close(&reader);
-    paths->completed = paths->samples == whole;
-    return PL_OK;
+    paths.completed = paths.samples == whole;
+    return paths;
 }
 
 void pl_body_paths_free(pl_body_paths *paths)

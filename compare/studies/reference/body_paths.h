@@ -16,9 +16,9 @@ typedef struct pl_body_paths {
 
 /* Reads the positions of the run with the hash `run` in `folder`: a run of `scene`, with a sample
  * every `stride` steps (> 0). No file, or one that does not fit, gives no path. Samples from the
- * first number that is not finite on are left out. PL_NO_MEMORY. The caller frees *paths. */
-pl_status pl_body_paths_read(const char *folder, const char *run, const pl_scene *scene,
-                             long stride, pl_body_paths *paths, pl_error *error);
+ * first number that is not finite on are left out. The caller frees the paths. */
+pl_body_paths pl_body_paths_read(const char *folder, const char *run, const pl_scene *scene,
+                                 long stride);
 
 /* Frees the paths and makes them {0}. */
 void pl_body_paths_free(pl_body_paths *paths);

@@ -1,5 +1,6 @@
 #include "converged_reference.h"
 
+#include "base/heap.h"
 #include "halving_error.h"
 #include "plumb/jitter.h"
 #include "runner/positions.h"
@@ -47,9 +48,9 @@ typedef struct making {
 static pl_status keep_result(void *user, json_t *result, pl_error *error)
 {
     const making *m = user;
-    return json_array_append(m->last, result) == 0
-               ? PL_OK
-               : pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
+    (void)error;
+    json_array_append(m->last, result);
+    return PL_OK;
 }
 
 /* Keeps why an engine has no path at a level. */
@@ -80,7 +81,7 @@ static double largest_distance(const pl_body_paths *a, const pl_body_paths *b)
 }
 
 /* Reads an engine's run at a level. A run that did not end well ends the engine's levels. */
-static pl_status take_run(making *m, int engine, int level, pl_error *error)
+static void take_run(making *m, int engine, int level)
 {
     pl_reference_runs *runs = &m->reference->engines[engine];
     const pl_case *test_case = &m->plan.cases[level];
@@ -88,14 +89,9 @@ static pl_status take_run(making *m, int engine, int level, pl_error *error)
                                     .configuration = &m->plan.configurations[engine]};
     pl_body_paths *paths = &runs->levels[level];
     char run[17];
-    pl_status status = pl_planned_run_hash(&m->plan, &planned, run, error);
-    if (status == PL_OK) {
-        status = pl_body_paths_read(m->def->execution.positions, run, &test_case->scene,
-                                    m->reference->stride << level, paths, error);
-    }
-    if (status != PL_OK) {
-        return status;
-    }
+    pl_planned_run_hash(&m->plan, &planned, run);
+    *paths = pl_body_paths_read(m->def->execution.positions, run, &test_case->scene,
+                                m->reference->stride << level);
     if (paths->completed && runs->count == level) {
         runs->count += 1;
         runs->change[level] =
@@ -103,7 +99,6 @@ static pl_status take_run(making *m, int engine, int level, pl_error *error)
     } else {
         note_reason(m, engine, runs, test_case->scene.dt);
     }
-    return PL_OK;
 }
 
 /* Whether an engine takes part in a level: it ran all before, and is the reference's own or chosen,
@@ -118,43 +113,36 @@ static pl_status add_level(making *m, int level, pl_error *error)
 {
     m->plan.variation = (pl_variation){.refinement = 1 << level};
     m->plan.study = m->def->study;
-    pl_status status = pl_plan_add_values(&m->plan, m->def->original->descriptor,
-                                          m->def->original->params, NULL, error);
     m->plan.pairing_count = 0;
-    for (int i = 0; i < m->reference->engine_count && status == PL_OK; ++i) {
+    for (int i = 0; i < m->reference->engine_count; ++i) {
         if (takes_part(m->reference, i, level)) {
-            status = pl_plan_add_pairing(&m->plan, level, i, error);
+            pl_plan_add_pairing(&m->plan, level, i);
         }
     }
-    return status;
+    return pl_plan_add_values(&m->plan, m->def->original->descriptor, m->def->original->params,
+                              NULL, error);
 }
 
 /* Runs the engines that take part in a level, and reads their paths. */
 static pl_status run_level(making *m, int level, int *signal_number, pl_error *error)
 {
-    const pl_execution_def *given = &m->def->execution;
+    pl_execution_def execution = m->def->execution;
     pl_status status = add_level(m, level, error);
     if (status != PL_OK) {
         return status;
     }
-    const pl_execution_def execution = {.plan = &m->plan,
-                                        .jobs = given->jobs,
-                                        .limits = given->limits,
-                                        .positions = given->positions,
-                                        .needs_positions = true,
-                                        .positions_stride = m->reference->stride << level,
-                                        .provenance = given->provenance,
-                                        .store = given->store,
-                                        .bar = given->bar,
-                                        .user = m,
-                                        .take = keep_result};
-    if (given->bar != NULL) {
-        given->bar->total += m->plan.pairing_count;
+    execution.plan = &m->plan;
+    execution.needs_positions = true;
+    execution.positions_stride = m->reference->stride << level;
+    execution.user = m;
+    execution.take = keep_result;
+    if (execution.bar != NULL) {
+        execution.bar->total += m->plan.pairing_count;
     }
     json_array_clear(m->last);
     status = pl_execute(&execution, signal_number, error);
     for (int k = 0; k < m->plan.pairing_count && status == PL_OK && *signal_number == 0; ++k) {
-        status = take_run(m, m->plan.pairings[k].configuration, level, error);
+        take_run(m, m->plan.pairings[k].configuration, level);
     }
     return status;
 }
@@ -187,16 +175,13 @@ static double *at(double *values, const pl_reference *reference, long sample, in
 }
 
 /* The estimate from the halvings, nowhere below the floor. */
-static pl_status estimate(pl_reference *reference, int engine, double *error, pl_error *failure)
+static void estimate(pl_reference *reference, int engine, double *error)
 {
     const pl_reference_runs *runs = &reference->engines[engine];
-    pl_status status =
-        pl_halving_error(runs->levels, runs->count, reference->interval, error, failure);
-    const long count = reference->samples * reference->bodies;
-    for (long i = 0; i < count && status == PL_OK; ++i) {
+    pl_halving_error(runs->levels, runs->count, reference->interval, error);
+    for (long i = 0; i < reference->samples * reference->bodies; ++i) {
         error[i] = fmax(error[i], reference->floor);
     }
-    return status;
 }
 
 /* From which sample on a body's error stays beyond its bound. */
@@ -230,39 +215,32 @@ static bool is_enough(pl_reference *reference)
 
 /* What a second engine has still to go, at most: as much as at its last two steps. One that converges
  * slowly has changes that do not shrink from halving to halving. */
-static pl_status estimate_second(pl_reference *reference, double *others, pl_error *failure)
+static void estimate_second(pl_reference *reference, double *others)
 {
     pl_reference_runs *second = &reference->engines[reference->second];
     const size_t count = (size_t)(reference->samples * reference->bodies);
-    double *before = calloc(count + 1, sizeof *before);
-    pl_status status = before == NULL ? pl_fail(failure, PL_NO_MEMORY,
-                                                "out of memory for the error of a reference")
-                                      : estimate(reference, reference->second, others, failure);
-    if (status == PL_OK) {
-        second->count -= 1;
-        status = estimate(reference, reference->second, before, failure);
-        second->count += 1;
-    }
-    for (size_t i = 0; i < count && status == PL_OK; ++i) {
+    double *before = pl_heap_new(count, sizeof *before);
+    estimate(reference, reference->second, others);
+    second->count -= 1;
+    estimate(reference, reference->second, before);
+    second->count += 1;
+    for (size_t i = 0; i < count; ++i) {
         others[i] = fmax(others[i], before[i]);
     }
     free(before);
-    return status;
 }
 
 /* Where the second engine converges elsewhere, beyond the bound and beyond what both have still to go,
  * their distance is the allowance. */
-static pl_status dispute(pl_reference *reference, pl_error *failure)
+static void dispute(pl_reference *reference)
 {
     const pl_reference_runs *second = &reference->engines[reference->second];
     const pl_body_paths *other = &second->levels[second->count - 1];
-    double *others = calloc((size_t)(reference->samples * reference->bodies) + 1, sizeof *others);
-    pl_status status = others == NULL ? pl_fail(failure, PL_NO_MEMORY,
-                                                "out of memory for the error of a reference")
-                                      : estimate_second(reference, others, failure);
+    double *others = pl_heap_new((size_t)(reference->samples * reference->bodies), sizeof *others);
     double farthest = 0;
+    estimate_second(reference, others);
     reference->confirmed = 0;
-    for (int b = 0; b < reference->bodies && status == PL_OK; ++b) {
+    for (int b = 0; b < reference->bodies; ++b) {
         bool differs = false;
         double apart = 0;
         for (long i = 0; i < reference->horizon[b]; ++i) {
@@ -285,26 +263,24 @@ static pl_status dispute(pl_reference *reference, pl_error *failure)
         }
     }
     free(others);
-    return status;
 }
 
 /* The error of the levels that there are. */
-static pl_status evaluate(pl_reference *reference, pl_error *failure)
+static void evaluate(pl_reference *reference)
 {
     const pl_reference_runs *own = &reference->engines[0];
     reference->samples = pl_halving_samples(own->levels, own->count);
     const size_t count = (size_t)(reference->samples * reference->bodies);
-    pl_status status = estimate(reference, 0, reference->error, failure);
-    for (int b = 0; b < reference->bodies && status == PL_OK; ++b) {
+    estimate(reference, 0, reference->error);
+    for (int b = 0; b < reference->bodies; ++b) {
         reference->horizon[b] = horizon_of(reference, b);
     }
     memcpy(reference->allowance, reference->error, count * sizeof *reference->allowance);
-    return status;
 }
 
 /* ---- The whole ---- */
 
-static pl_status prepare(making *m, pl_error *error)
+static void prepare(making *m)
 {
     pl_reference *reference = m->reference;
     const pl_scene *scene = &m->def->original->scene;
@@ -316,24 +292,19 @@ static pl_status prepare(making *m, pl_error *error)
     reference->most_disputed = -1;
     reference->samples = pl_scene_steps(scene) / reference->stride + 1;
     const size_t bodies = (size_t)pl_positions_bodies(scene);
-    const size_t count = (size_t)reference->samples * bodies + 1;
-    reference->body = calloc(bodies + 1, sizeof *reference->body);
-    reference->bounds = calloc(bodies + 1, sizeof *reference->bounds);
-    reference->horizon = calloc(bodies + 1, sizeof *reference->horizon);
-    reference->error = calloc(count, sizeof *reference->error);
-    reference->allowance = calloc(count, sizeof *reference->allowance);
+    const size_t count = (size_t)reference->samples * bodies;
+    reference->body = pl_heap_new(bodies, sizeof *reference->body);
+    reference->bounds = pl_heap_new(bodies, sizeof *reference->bounds);
+    reference->horizon = pl_heap_new(bodies, sizeof *reference->horizon);
+    reference->error = pl_heap_new(count, sizeof *reference->error);
+    reference->allowance = pl_heap_new(count, sizeof *reference->allowance);
     m->last = json_array();
-    if (reference->body == NULL || reference->bounds == NULL || reference->horizon == NULL ||
-        reference->error == NULL || reference->allowance == NULL || m->last == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for a reference");
-    }
     for (int i = 0; i < scene->body_count; ++i) {
         if (!scene->bodies[i].is_static) {
             reference->body[reference->bodies] = i;
             reference->bounds[reference->bodies++] = pl_reference_bound(&scene->bodies[i]);
         }
     }
-    return PL_OK;
 }
 
 /* The reference's own engine, and those candidates that this build has. */
@@ -394,7 +365,7 @@ static pl_status halve(making *m, int *signal_number, pl_error *error)
         }
         if (level >= PL_REFERENCE_LEAST_LEVELS - 1 && own->count > level && status == PL_OK &&
             *signal_number == 0) {
-            status = evaluate(reference, error);
+            evaluate(reference);
             enough = is_enough(reference);
         }
     }
@@ -409,19 +380,17 @@ pl_status pl_reference_make(const pl_reference_def *def, pl_reference *reference
     const pl_reference_runs *own = &reference->engines[0];
     m.plan.seed = def->execution.plan->seed;
     *signal_number = 0;
-    pl_status status = prepare(&m, error);
-    if (status == PL_OK) {
-        status = add_engines(&m, error);
-    }
+    prepare(&m);
+    pl_status status = add_engines(&m, error);
     if (status == PL_OK && !is_too_large(reference, &def->original->scene)) {
         status = halve(&m, signal_number, error);
     }
     reference->known = own->count >= PL_REFERENCE_LEAST_LEVELS;
     if (status == PL_OK && *signal_number == 0 && reference->known) {
-        status = evaluate(reference, error);
-    }
-    if (status == PL_OK && *signal_number == 0 && reference->known && reference->second > 0) {
-        status = dispute(reference, error);
+        evaluate(reference);
+        if (reference->second > 0) {
+            dispute(reference);
+        }
     }
     if (!reference->known && reference->reason[0] == '\0') {
         snprintf(reference->reason, sizeof reference->reason, "%s %s", pl_reference_engine,

@@ -42,7 +42,7 @@ extern const pl_reference_candidate pl_reference_candidates[PL_REFERENCE_CANDIDA
 /* What a reference is made of. The pointers are borrowed. */
 typedef struct pl_reference_def {
     const pl_case *original;    /* a case of a scene file */
-    pl_execution_def execution; /* jobs, limits, positions, provenance and bar are used */
+    pl_execution_def execution; /* all but the plan is used */
     json_t *study;              /* that the runs belong to, as in results */
     const json_t *results;      /* of the compared configurations; NULL: none is known */
     bool without_second;        /* for tests: no engine confirms it */

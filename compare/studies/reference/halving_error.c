@@ -1,5 +1,7 @@
 #include "halving_error.h"
 
+#include "base/heap.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -52,17 +54,13 @@ static double remaining(const double *changes, long stride, int count)
     return last * rate / (1 - rate);
 }
 
-pl_status pl_halving_error(const pl_body_paths *levels, int count, double interval, double *error,
-                           pl_error *failure)
+void pl_halving_error(const pl_body_paths *levels, int count, double interval, double *error)
 {
     const long samples = pl_halving_samples(levels, count);
     const long reach = (long)ceil(pl_halving_window / interval);
     const int bodies = levels[0].bodies;
     const int halvings = count - 1 < TRUSTED ? count - 1 : TRUSTED;
-    double *changes = calloc(TRUSTED * (size_t)samples + 1, sizeof *changes);
-    if (changes == NULL) {
-        return pl_fail(failure, PL_NO_MEMORY, "out of memory for the error of a reference");
-    }
+    double *changes = pl_heap_new(TRUSTED * (size_t)samples, sizeof *changes);
     for (int body = 0; body < bodies; ++body) {
         for (int k = 0; k < halvings; ++k) {
             windowed_changes(&levels[count - 1 - k], &levels[count - 2 - k], body, samples, reach,
@@ -73,5 +71,4 @@ pl_status pl_halving_error(const pl_body_paths *levels, int count, double interv
         }
     }
     free(changes);
-    return PL_OK;
 }

@@ -24,9 +24,8 @@ extern const double pl_halving_window;
 /* Estimates the error of the paths `levels[count - 1]`, m, into error (samples x bodies, allocated
  * by the caller), for the samples that all levels have. count >= 2; with 2 the order is taken as
  * 1. `interval` is the time from one sample to the next, s. Allocates and frees a work array:
- * PL_NO_MEMORY. O(samples x bodies x window). */
-pl_status pl_halving_error(const pl_body_paths *levels, int count, double interval, double *error,
-                           pl_error *failure);
+ * O(samples x bodies x window). */
+void pl_halving_error(const pl_body_paths *levels, int count, double interval, double *error);
 
 /* The number of samples that all levels have. */
 long pl_halving_samples(const pl_body_paths *levels, int count);

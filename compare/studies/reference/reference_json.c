@@ -9,21 +9,17 @@ json_t *pl_reference_runs_json(const pl_plan *plan, const pl_case *test_case)
 {
     json_t *runs = json_array();
     pl_plan own = {.repeats = 1, .seed = plan->seed};
-    bool failed = runs == NULL || pl_plan_add_engine(&own, pl_reference_engine, NULL) != PL_OK;
-    for (int i = 0; i <= plan->configuration_count && !failed; ++i) {
+    pl_plan_add_engine(&own, pl_reference_engine, NULL);
+    for (int i = 0; i < plan->configuration_count + own.configuration_count; ++i) {
         const bool of_plan = i < plan->configuration_count;
         const pl_planned_run planned = {.test_case = test_case,
                                         .configuration = of_plan ? &plan->configurations[i]
                                                                  : &own.configurations[0]};
         char run[17];
-        failed = pl_planned_run_hash(plan, &planned, run, NULL) != PL_OK ||
-                 json_array_append_new(runs, json_string(run)) != 0;
+        pl_planned_run_hash(plan, &planned, run);
+        json_array_append_new(runs, json_string(run));
     }
     pl_plan_free(&own);
-    if (failed) {
-        json_decref(runs);
-        return NULL;
-    }
     return runs;
 }
 
@@ -162,7 +158,7 @@ json_t *pl_reference_case_json(const pl_plan *plan, const pl_case *test_case,
         pl_reference_runs_json(plan, test_case), "known", (int)reference->known, "reason",
         reference->known ? json_null() : pl_json_text(reference->reason, strlen(reference->reason)),
         "engines", engines_json(reference), "sentences", sentences);
-    if (item == NULL || verdict == NULL) {
+    if (verdict == NULL) {
         return item;
     }
     json_t *more = json_pack(
@@ -170,11 +166,6 @@ json_t *pl_reference_case_json(const pl_plan *plan, const pl_case *test_case,
         error_json(reference), "confirmed_within", pl_json_number_or_null(reference->confirmed),
         "disputed_bodies", reference->disputed, "horizon", horizon_json(reference, after->from),
         "bodies", bodies_json(verdict), "ensemble", ensemble_json(verdict, after));
-    const bool failed = more == NULL || json_object_update(item, more) != 0;
-    json_decref(more);
-    if (failed) {
-        json_decref(item);
-        return NULL;
-    }
+    json_object_update_new(item, more);
     return item;
 }

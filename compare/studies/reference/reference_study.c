@@ -17,35 +17,28 @@ int pl_reference_study_cases(const pl_plan *plan)
     return count;
 }
 
-/* The item of an earlier outcome with exactly the runs of a case, borrowed; NULL: there is none.
- * *failed is set when out of memory. */
-static json_t *recall(const json_t *before, const pl_plan *plan, const pl_case *test_case,
-                      bool *failed)
+/* The item of an earlier outcome with exactly the runs of a case, borrowed; NULL: there is none. */
+static json_t *recall(const json_t *before, const pl_plan *plan, const pl_case *test_case)
 {
     size_t index;
     json_t *item, *found = NULL;
     json_t *runs = pl_reference_runs_json(plan, test_case);
-    *failed = runs == NULL;
     json_array_foreach(json_object_get(before, "cases"), index, item)
     {
-        if (runs != NULL && json_equal(json_object_get(item, "runs"), runs)) {
-            found = item;
-        }
+        found = json_equal(json_object_get(item, "runs"), runs) ? item : found;
     }
     json_decref(runs);
     return found;
 }
 
-pl_status pl_reference_study_due(const pl_plan *plan, const json_t *before, int *due,
-                                 pl_error *error)
+int pl_reference_study_due(const pl_plan *plan, const json_t *before)
 {
-    bool failed = false;
-    *due = 0;
-    for (int i = 0; i < plan->case_count && !failed; ++i) {
+    int due = 0;
+    for (int i = 0; i < plan->case_count; ++i) {
         const pl_case *test_case = &plan->cases[i];
-        *due += pl_reference_applies(test_case) && recall(before, plan, test_case, &failed) == NULL;
+        due += pl_reference_applies(test_case) && recall(before, plan, test_case) == NULL;
     }
-    return failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for references") : PL_OK;
+    return due;
 }
 
 /* ---- Runs of the compared configurations ---- */
@@ -55,7 +48,7 @@ static bool is_hopeless(void *user, const char *run)
 {
     static const pl_outcome hopeless[] = {PL_OUTCOME_CRASHED, PL_OUTCOME_TIMEOUT,
                                           PL_OUTCOME_UNSUPPORTED};
-    const pl_reference_study_def *def = user;
+    const pl_reference_def *def = user;
     size_t index;
     const json_t *result;
     json_array_foreach(def->results, index, result)
@@ -71,8 +64,8 @@ static bool is_hopeless(void *user, const char *run)
 }
 
 /* Makes the runs of a case again, with their positions. */
-static pl_status run_with_positions(const pl_reference_study_def *def, pl_case *test_case,
-                                    pl_progress *bar, int *signal_number, pl_error *error)
+static pl_status run_with_positions(pl_reference_def *def, pl_case *test_case, int *signal_number,
+                                    pl_error *error)
 {
     const pl_plan *plan = def->execution.plan;
     const pl_plan one = {.cases = test_case,
@@ -81,57 +74,36 @@ static pl_status run_with_positions(const pl_reference_study_def *def, pl_case *
                          .configuration_count = plan->configuration_count,
                          .repeats = 1,
                          .seed = plan->seed};
-    pl_reference_study_def user = *def;
-    const pl_execution_def execution = {.plan = &one,
-                                        .jobs = def->execution.jobs,
-                                        .limits = def->execution.limits,
-                                        .positions = def->execution.positions,
-                                        .needs_positions = true,
-                                        .provenance = def->execution.provenance,
-                                        .store = def->execution.store,
-                                        .bar = bar,
-                                        .user = &user,
-                                        .skip = is_hopeless};
+    pl_execution_def execution = def->execution;
+    execution.plan = &one;
+    execution.needs_positions = true;
+    execution.user = def;
+    execution.skip = is_hopeless;
     const long due = pl_execution_due(&execution);
     if (due == 0) {
         return PL_OK;
     }
-    if (bar != NULL) {
-        bar->total += due;
+    if (execution.bar != NULL) {
+        execution.bar->total += due;
     }
     return pl_execute(&execution, signal_number, error);
 }
 
 /* ---- A case ---- */
 
-static pl_status say_unknown(const pl_reference *reference, json_t *sentences, pl_error *error)
-{
-    pl_text_buffer text = {0};
-    pl_text_format(&text, "There is no reference: %s", reference->reason);
-    return pl_sentence_add(sentences, &text, error);
-}
-
 /* Judges the configurations by a reference that is known. */
 static pl_status judge_by(const pl_reference_def *def, const pl_reference *reference,
                           json_t *sentences, json_t **item, int *signal_number, pl_error *error)
 {
     const pl_plan *plan = def->execution.plan;
-    pl_reference_verdict verdict = {.engine_count = 0};
+    pl_reference_verdict verdict =
+        pl_reference_judge(plan, def->original, def->execution.positions, def->results, reference);
     pl_after_horizon after = {.from = 0};
-    pl_status status = pl_reference_judge(plan, def->original, def->execution.positions,
-                                          def->results, reference, &verdict, error);
-    if (status == PL_OK) {
-        status = pl_after_horizon_make(def, &verdict, &after, signal_number, error);
-    }
+    const pl_status status = pl_after_horizon_make(def, &verdict, &after, signal_number, error);
     if (status == PL_OK && *signal_number == 0) {
-        status = pl_reference_sentences(&verdict, sentences, error);
-    }
-    if (status == PL_OK && *signal_number == 0) {
-        status = pl_after_horizon_sentences(&verdict, &after, sentences, error);
-    }
-    if (status == PL_OK && *signal_number == 0) {
+        pl_reference_sentences(&verdict, sentences);
+        pl_after_horizon_sentences(&verdict, &after, sentences);
         *item = pl_reference_case_json(plan, def->original, reference, &verdict, &after, sentences);
-        status = *item == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for a case") : PL_OK;
     }
     pl_after_horizon_free(&after);
     pl_reference_verdict_free(&verdict);
@@ -147,21 +119,21 @@ static pl_status judge_case(const pl_reference_study_def *def, pl_case *test_cas
                                .study = json_pack("{s:s}", "name", "reference"),
                                .results = def->results};
     json_t *sentences = json_array();
+    making.execution.progress = NULL;
     making.execution.bar = bar;
     *item = NULL;
-    pl_status status = run_with_positions(def, test_case, bar, signal_number, error);
+    pl_status status = run_with_positions(&making, test_case, signal_number, error);
     if (status == PL_OK && *signal_number == 0) {
         status = pl_reference_make(&making, &reference, signal_number, error);
     }
     if (status == PL_OK && *signal_number == 0 && reference.known) {
         status = judge_by(&making, &reference, sentences, item, signal_number, error);
     } else if (status == PL_OK && *signal_number == 0) {
-        status = say_unknown(&reference, sentences, error);
-        if (status == PL_OK) {
-            *item = pl_reference_case_json(def->execution.plan, test_case, &reference, NULL, NULL,
-                                           sentences);
-            status = *item == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
-        }
+        pl_text_buffer text = {0};
+        pl_text_format(&text, "There is no reference: %s", reference.reason);
+        pl_sentence_add(sentences, &text);
+        *item = pl_reference_case_json(def->execution.plan, test_case, &reference, NULL, NULL,
+                                       sentences);
     }
     pl_reference_free(&reference);
     json_decref(making.study);
@@ -201,7 +173,7 @@ pl_status pl_reference_study(const pl_reference_study_def *def, json_t **outcome
     FILE *out = def->execution.progress;
     pl_progress bar = {.terminal = false};
     json_t *cases = json_array();
-    pl_status status = cases == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    pl_status status = PL_OK;
     *signal_number = 0;
     *outcome = NULL;
     if (out != NULL) {
@@ -209,15 +181,11 @@ pl_status pl_reference_study(const pl_reference_study_def *def, json_t **outcome
     }
     for (int i = 0; i < plan->case_count && status == PL_OK && *signal_number == 0; ++i) {
         pl_case *test_case = &plan->cases[i];
-        bool failed = false;
-        json_t *item = NULL;
         if (!pl_reference_applies(test_case)) {
             continue;
         }
-        item = json_incref(recall(def->before, plan, test_case, &failed));
-        if (failed) {
-            status = pl_fail(error, PL_NO_MEMORY, "out of memory for a reference");
-        } else if (item == NULL) {
+        json_t *item = json_incref(recall(def->before, plan, test_case));
+        if (item == NULL) {
             /* Where the display cannot be drawn again, a line a run would be hundreds of lines. */
             if (out != NULL && !bar.terminal) {
                 pl_print_line(out, "%s: a converged reference", test_case->name);
@@ -225,9 +193,7 @@ pl_status pl_reference_study(const pl_reference_study_def *def, json_t **outcome
             status =
                 judge_case(def, test_case, bar.terminal ? &bar : NULL, &item, signal_number, error);
         }
-        if (item != NULL && json_array_append_new(cases, item) != 0) {
-            status = pl_fail(error, PL_NO_MEMORY, "out of memory for a reference");
-        }
+        json_array_append_new(cases, item);
     }
     if (out != NULL) {
         pl_progress_end(&bar);
@@ -237,7 +203,7 @@ pl_status pl_reference_study(const pl_reference_study_def *def, json_t **outcome
         return status;
     }
     *outcome = compose(cases);
-    return *outcome == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for references") : PL_OK;
+    return PL_OK;
 }
 
 void pl_reference_study_print(FILE *out, const json_t *outcome)

@@ -20,9 +20,8 @@ typedef struct pl_reference_study_def {
 /* How many cases of the plan get a reference. */
 int pl_reference_study_cases(const pl_plan *plan);
 
-/* How many of them `before` (NULL allowed) does not have with the same runs. PL_NO_MEMORY. */
-pl_status pl_reference_study_due(const pl_plan *plan, const json_t *before, int *due,
-                                 pl_error *error);
+/* How many of them `before` (NULL allowed) does not have with the same runs. */
+int pl_reference_study_due(const pl_plan *plan, const json_t *before);
 
 /* Judges all those cases; *outcome is a new reference, NULL after a failure and at a signal. An
  * engine that fails, disagrees or has no reference is a sentence of the outcome and no failure. */

@@ -1,5 +1,7 @@
 #include "reference_verdict.h"
 
+#include "base/heap.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,55 +66,46 @@ static bool is_unsupported(const json_t *results, const char *run)
     return found;
 }
 
-static pl_status judge_engine(const pl_plan *plan, const pl_planned_run *planned,
-                              const char *folder, const json_t *results,
-                              const pl_reference *reference, pl_engine_verdict *verdict,
-                              pl_error *error)
+static void judge_engine(const pl_plan *plan, const pl_planned_run *planned, const char *folder,
+                         const json_t *results, const pl_reference *reference,
+                         pl_engine_verdict *verdict)
 {
-    pl_body_paths paths = {.samples = 0};
     verdict->label = planned->configuration->label;
     pl_engine_family(planned->configuration->choice.engine->name, verdict->family);
-    pl_status status = pl_planned_run_hash(plan, planned, verdict->run, error);
-    if (status == PL_OK) {
-        status = pl_body_paths_read(folder, verdict->run, &planned->test_case->scene,
-                                    reference->stride, &paths, error);
-    }
-    if (status == PL_OK && paths.samples > 0) {
+    pl_planned_run_hash(plan, planned, verdict->run);
+    pl_body_paths paths =
+        pl_body_paths_read(folder, verdict->run, &planned->test_case->scene, reference->stride);
+    if (paths.samples > 0) {
         verdict->completed = paths.completed;
-        verdict->bodies = calloc((size_t)reference->bodies, sizeof *verdict->bodies);
-        status = verdict->bodies == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+        verdict->bodies = pl_heap_new((size_t)reference->bodies, sizeof *verdict->bodies);
     }
     for (int b = 0; b < reference->bodies && verdict->bodies != NULL; ++b) {
         verdict->bodies[b] = pl_body_judge(reference, &paths, b);
         verdict->differing += !isnan(verdict->bodies[b].differs_from);
         verdict->straying += !isnan(verdict->bodies[b].strays_at);
     }
-    verdict->is_unsupported = status == PL_OK && is_unsupported(results, verdict->run);
+    verdict->is_unsupported = is_unsupported(results, verdict->run);
     pl_body_paths_free(&paths);
-    return status;
 }
 
-pl_status pl_reference_judge(const pl_plan *plan, const pl_case *test_case, const char *folder,
-                             const json_t *results, const pl_reference *reference,
-                             pl_reference_verdict *verdict, pl_error *error)
+pl_reference_verdict pl_reference_judge(const pl_plan *plan, const pl_case *test_case,
+                                        const char *folder, const json_t *results,
+                                        const pl_reference *reference)
 {
-    *verdict = (pl_reference_verdict){
+    pl_reference_verdict verdict = {
         .reference = reference, .test_case = test_case, .engine_count = plan->configuration_count};
-    verdict->engines = calloc((size_t)verdict->engine_count + 1, sizeof *verdict->engines);
-    pl_status status =
-        verdict->engines == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
-    for (int i = 0; i < verdict->engine_count && status == PL_OK; ++i) {
+    verdict.engines = pl_heap_new((size_t)verdict.engine_count, sizeof *verdict.engines);
+    for (int i = 0; i < verdict.engine_count; ++i) {
         const pl_planned_run planned = {.test_case = test_case,
                                         .configuration = &plan->configurations[i]};
-        status =
-            judge_engine(plan, &planned, folder, results, reference, &verdict->engines[i], error);
+        judge_engine(plan, &planned, folder, results, reference, &verdict.engines[i]);
     }
-    return status;
+    return verdict;
 }
 
 void pl_reference_verdict_free(pl_reference_verdict *verdict)
 {
-    for (int i = 0; i < verdict->engine_count && verdict->engines != NULL; ++i) {
+    for (int i = 0; i < verdict->engine_count; ++i) {
         free(verdict->engines[i].bodies);
     }
     free(verdict->engines);
@@ -121,13 +114,11 @@ void pl_reference_verdict_free(pl_reference_verdict *verdict)
 
 /* ---- Sentences ---- */
 
-pl_status pl_sentence_add(json_t *sentences, pl_text_buffer *text, pl_error *error)
+void pl_sentence_add(json_t *sentences, pl_text_buffer *text)
 {
-    const bool failed =
-        text->failed || text->data == NULL ||
-        json_array_append_new(sentences, pl_json_text(text->data, text->length)) != 0;
-    pl_text_free(text);
-    return failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a sentence") : PL_OK;
+    char *whole = pl_text_take(text);
+    json_array_append_new(sentences, pl_json_text(whole, strlen(whole)));
+    free(whole);
 }
 
 static const char *body_name(const pl_reference_verdict *v, int body)
@@ -193,8 +184,7 @@ static int count_contradicted(const pl_reference_verdict *v, int *first)
 }
 
 /* Who contradicts the reference. Nobody is judged by it then. */
-static pl_status say_contradiction(const pl_reference_verdict *v, json_t *sentences,
-                                   pl_error *error)
+static void say_contradiction(const pl_reference_verdict *v, json_t *sentences)
 {
     const pl_reference *reference = v->reference;
     int body = 0, one = 0, other = 0;
@@ -213,11 +203,11 @@ static pl_status say_contradiction(const pl_reference_verdict *v, json_t *senten
     }
     pl_text_add(&text, ". The reference may be wrong: it has no error estimate, and no engine is "
                        "judged by it");
-    return pl_sentence_add(sentences, &text, error);
+    pl_sentence_add(sentences, &text);
 }
 
 /* Where the reference comes from, and what confirms it. */
-static pl_status say_reference(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+static void say_reference(const pl_reference_verdict *v, json_t *sentences)
 {
     const pl_reference *reference = v->reference;
     const pl_reference_runs *own = &reference->engines[0];
@@ -243,9 +233,9 @@ static pl_status say_reference(const pl_reference_verdict *v, json_t *sentences,
                            ? ""
                            : " of it but has not converged itself, so that nothing confirms it");
     }
-    pl_status status = pl_sentence_add(sentences, &text, error);
-    if (status != PL_OK || reference->disputed == 0) {
-        return status;
+    pl_sentence_add(sentences, &text);
+    if (reference->disputed == 0) {
+        return;
     }
     const int body = reference->most_disputed;
     const long last = reference->horizon[body] - 1;
@@ -256,7 +246,7 @@ static pl_status say_reference(const pl_reference_verdict *v, json_t *sentences,
         "%s and %s converge to different answers: %s ends %.3g m apart; what lies within "
         "three times their distance is not judged",
         own->label, second->label, body_name(v, body), apart);
-    return pl_sentence_add(sentences, &text, error);
+    pl_sentence_add(sentences, &text);
 }
 
 /* Whether at least one other configuration ran to its end, and all of them are near the reference in
@@ -279,8 +269,7 @@ static bool others_agree(const pl_reference_verdict *v, int engine, int body)
 }
 
 /* "box b: bullet:si ends 1.34 m away from the others, from t = 1.3 s on" */
-static pl_status say_body(const pl_reference_verdict *v, int engine, int body, json_t *sentences,
-                          pl_error *error)
+static void say_body(const pl_reference_verdict *v, int engine, int body, json_t *sentences)
 {
     const pl_engine_verdict *e = &v->engines[engine];
     const pl_body_verdict *b = &e->bodies[body];
@@ -293,12 +282,11 @@ static pl_status say_body(const pl_reference_verdict *v, int engine, int body, j
         pl_text_format(&text, " at t = %.3g s", b->until);
     }
     pl_text_format(&text, ", from t = %.2g s on", b->differs_from);
-    return pl_sentence_add(sentences, &text, error);
+    pl_sentence_add(sentences, &text);
 }
 
 /* The same of many bodies at once. */
-static pl_status say_bodies(const pl_reference_verdict *v, int engine, json_t *sentences,
-                            pl_error *error)
+static void say_bodies(const pl_reference_verdict *v, int engine, json_t *sentences)
 {
     const pl_engine_verdict *e = &v->engines[engine];
     int first = -1, worst = -1;
@@ -315,7 +303,7 @@ static pl_status say_bodies(const pl_reference_verdict *v, int engine, json_t *s
                    "and first in %s, from t = %.2g s on",
                    e->differing, v->reference->bodies, e->label, body_name(v, worst),
                    e->bodies[worst].final, body_name(v, first), e->bodies[first].differs_from);
-    return pl_sentence_add(sentences, &text, error);
+    pl_sentence_add(sentences, &text);
 }
 
 /* A body of an engine that differs. */
@@ -332,20 +320,18 @@ static int by_final(const void *a, const void *b)
 
 /* A sentence for each engine with many such bodies, then one for each body of the others, the farthest
  * first. */
-static pl_status say_differences(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+static void say_differences(const pl_reference_verdict *v, json_t *sentences)
 {
     const size_t most = (size_t)v->engine_count * MOST_SINGLE_BODIES;
-    difference *single = calloc(most + 1, sizeof *single);
-    pl_status status =
-        single == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for a verdict") : PL_OK;
+    difference *single = pl_heap_new(most, sizeof *single);
     size_t count = 0;
-    for (int i = 0; i < v->engine_count && status == PL_OK; ++i) {
+    for (int i = 0; i < v->engine_count; ++i) {
         const pl_engine_verdict *e = &v->engines[i];
         if (e->bodies == NULL) {
             continue;
         }
         if (e->differing > MOST_SINGLE_BODIES) {
-            status = say_bodies(v, i, sentences, error);
+            say_bodies(v, i, sentences);
             continue;
         }
         for (int b = 0; b < v->reference->bodies; ++b) {
@@ -354,29 +340,25 @@ static pl_status say_differences(const pl_reference_verdict *v, json_t *sentence
             }
         }
     }
-    if (count > 0) {
-        qsort(single, count, sizeof *single, by_final);
+    qsort(single, count, sizeof *single, by_final);
+    for (size_t i = 0; i < count && i < MOST_SINGLE_SENTENCES; ++i) {
+        say_body(v, single[i].engine, single[i].body, sentences);
     }
-    for (size_t i = 0; i < count && i < MOST_SINGLE_SENTENCES && status == PL_OK; ++i) {
-        status = say_body(v, single[i].engine, single[i].body, sentences, error);
-    }
-    if (count > MOST_SINGLE_SENTENCES && status == PL_OK) {
+    if (count > MOST_SINGLE_SENTENCES) {
         pl_text_buffer text = {0};
         const size_t left = count - MOST_SINGLE_SENTENCES;
         pl_text_format(&text, "%zu more %s, by %.3g m at most", left,
                        left == 1 ? "body of an engine differs" : "bodies of engines differ",
                        single[MOST_SINGLE_SENTENCES].final);
-        status = pl_sentence_add(sentences, &text, error);
+        pl_sentence_add(sentences, &text);
     }
     free(single);
-    return status;
 }
 
 /* The engines that leave the reference for a while. */
-static pl_status say_strays(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+static void say_strays(const pl_reference_verdict *v, json_t *sentences)
 {
-    pl_status status = PL_OK;
-    for (int i = 0; i < v->engine_count && status == PL_OK; ++i) {
+    for (int i = 0; i < v->engine_count; ++i) {
         const pl_engine_verdict *e = &v->engines[i];
         int worst = -1;
         for (int b = 0; b < v->reference->bodies && e->straying > 0; ++b) {
@@ -395,17 +377,15 @@ static pl_status say_strays(const pl_reference_verdict *v, json_t *sentences, pl
             if (e->straying > 1) {
                 pl_text_format(&text, "; so are %d bodies in all", e->straying);
             }
-            status = pl_sentence_add(sentences, &text, error);
+            pl_sentence_add(sentences, &text);
         }
     }
-    return status;
 }
 
 /* The engines that could not be compared, or not to the end. */
-static pl_status say_missing(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+static void say_missing(const pl_reference_verdict *v, json_t *sentences)
 {
-    pl_status status = PL_OK;
-    for (int i = 0; i < v->engine_count && status == PL_OK; ++i) {
+    for (int i = 0; i < v->engine_count; ++i) {
         const pl_engine_verdict *e = &v->engines[i];
         if (e->bodies == NULL || !e->completed) {
             pl_text_buffer text = {0};
@@ -414,14 +394,13 @@ static pl_status say_missing(const pl_reference_verdict *v, json_t *sentences, p
                            : e->bodies == NULL
                                ? "not compared, because it left no path"
                                : "compared only until its run ended, before the end of the scene");
-            status = pl_sentence_add(sentences, &text, error);
+            pl_sentence_add(sentences, &text);
         }
     }
-    return status;
 }
 
 /* "All engines agree with the reference to within X m", or which of them do. */
-static pl_status say_agreement(const pl_reference_verdict *v, json_t *sentences, pl_error *error)
+static void say_agreement(const pl_reference_verdict *v, json_t *sentences)
 {
     pl_text_buffer names = {0}, text = {0};
     double largest = 0;
@@ -437,8 +416,7 @@ static pl_status say_agreement(const pl_reference_verdict *v, json_t *sentences,
         }
     }
     if (agreeing == 0) {
-        pl_text_free(&names);
-        return PL_OK;
+        return;
     }
     bool whole = true;
     for (int b = 0; b < v->reference->bodies; ++b) {
@@ -447,33 +425,23 @@ static pl_status say_agreement(const pl_reference_verdict *v, json_t *sentences,
     const bool all = agreeing == v->engine_count;
     const bool one = v->engine_count == 1;
     pl_text_format(&text, "%s agree%s with the reference to within %.2g m%s",
-                   all && !one          ? "All engines"
-                   : names.data == NULL ? ""
-                                        : names.data,
-                   agreeing == 1 ? "s" : "", largest,
+                   all && !one ? "All engines" : names.data, agreeing == 1 ? "s" : "", largest,
                    whole ? "" : " as long as the motion can be predicted");
-    text.failed = text.failed || names.failed;
     pl_text_free(&names);
-    return pl_sentence_add(sentences, &text, error);
+    pl_sentence_add(sentences, &text);
 }
 
-pl_status pl_reference_sentences(const pl_reference_verdict *verdict, json_t *sentences,
-                                 pl_error *error)
+void pl_reference_sentences(const pl_reference_verdict *verdict, json_t *sentences)
 {
     int first = 0;
     if (count_contradicted(verdict, &first) > 0) {
-        const pl_status said = say_contradiction(verdict, sentences, error);
-        return said == PL_OK ? say_missing(verdict, sentences, error) : said;
+        say_contradiction(verdict, sentences);
+        say_missing(verdict, sentences);
+        return;
     }
-    pl_status status = say_differences(verdict, sentences, error);
-    if (status == PL_OK) {
-        status = say_strays(verdict, sentences, error);
-    }
-    if (status == PL_OK) {
-        status = say_missing(verdict, sentences, error);
-    }
-    if (status == PL_OK) {
-        status = say_agreement(verdict, sentences, error);
-    }
-    return status == PL_OK ? say_reference(verdict, sentences, error) : status;
+    say_differences(verdict, sentences);
+    say_strays(verdict, sentences);
+    say_missing(verdict, sentences);
+    say_agreement(verdict, sentences);
+    say_reference(verdict, sentences);
 }

@@ -47,11 +47,11 @@ typedef struct pl_reference_verdict {
 pl_body_verdict pl_body_judge(const pl_reference *reference, const pl_body_paths *paths, int body);
 
 /* Judges the first repeats of a case on all configurations of a plan, whose positions are in
- * `folder`; `results`, an array, says which runs are unsupported. The reference is known. PL_NO_MEMORY.
- * The caller frees *verdict in any case. */
-pl_status pl_reference_judge(const pl_plan *plan, const pl_case *test_case, const char *folder,
-                             const json_t *results, const pl_reference *reference,
-                             pl_reference_verdict *verdict, pl_error *error);
+ * `folder`; `results`, an array, says which runs are unsupported. The reference is known. The caller frees
+ * the verdict. */
+pl_reference_verdict pl_reference_judge(const pl_plan *plan, const pl_case *test_case,
+                                        const char *folder, const json_t *results,
+                                        const pl_reference *reference);
 
 /* Frees the verdicts. */
 void pl_reference_verdict_free(pl_reference_verdict *verdict);
@@ -65,11 +65,10 @@ bool pl_reference_is_contradicted(const pl_reference_verdict *verdict, int body,
                                   int *other);
 
 /* Appends the sentences to an array of strings: on the reference, on the bodies that differ, and on
- * the engines that agree. PL_NO_MEMORY. */
-pl_status pl_reference_sentences(const pl_reference_verdict *verdict, json_t *sentences,
-                                 pl_error *error);
+ * the engines that agree. */
+void pl_reference_sentences(const pl_reference_verdict *verdict, json_t *sentences);
 
-/* Appends a text as a string to an array, and frees it. PL_NO_MEMORY. */
-pl_status pl_sentence_add(json_t *sentences, pl_text_buffer *text, pl_error *error);
+/* Appends a text as a string to an array, and empties it. */
+void pl_sentence_add(json_t *sentences, pl_text_buffer *text);
 
 #endif

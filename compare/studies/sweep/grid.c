@@ -1,6 +1,7 @@
 /* The points of a grid in order, and the plan of a shard. */
 #include "grid.h"
 
+#include "base/heap.h"
 #include "grid_keys.h"
 #include "results/store.h"
 #include "studies/variant.h"
@@ -99,7 +100,6 @@ static pl_status add_configuration(const pl_engine_choice *asked, const pl_engin
                                    json_t *labels, pl_plan *plan, pl_error *error)
 {
     char label[sizeof plan->configurations->label];
-    int index = 0;
     pl_engine_choice_varied_label(asked, choice, label);
     const json_t *known = json_object_get(labels, label);
     if (known != NULL) {
@@ -111,11 +111,9 @@ static pl_status add_configuration(const pl_engine_choice *asked, const pl_engin
                              "one of them label=NAME",
                              label);
     }
-    pl_status status = pl_plan_add_choice(plan, choice, label, &index, error);
-    if (status == PL_OK && json_object_set_new_nocheck(labels, label, json_integer(index)) != 0) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory for %s", label);
-    }
-    return status;
+    json_object_set_new_nocheck(labels, label,
+                                json_integer(pl_plan_add_choice(plan, choice, label)));
+    return PL_OK;
 }
 
 /* Adds all configurations to the plan. PL_BAD_INPUT: a value out of its option's range, or two
@@ -209,8 +207,8 @@ static pl_status name_place(const grid *g, const place *at, char **name, pl_erro
     for (int i = 0; i < scenario->param_count; ++i) {
         pl_text_format(&text, "\n%a", values[i]);
     }
-    *name = text.data;
-    return text.failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for the grid") : PL_OK;
+    *name = pl_text_take(&text);
+    return PL_OK;
 }
 
 /* All cases of the grid, equal ones once. */
@@ -218,10 +216,7 @@ static pl_status list_places(grid *g, long most, pl_error *error)
 {
     json_t *seen = json_object();
     pl_status status = PL_OK;
-    g->places = malloc(((size_t)most + 1) * sizeof *g->places);
-    if (g->places == NULL || seen == NULL) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
-    }
+    g->places = pl_heap_new((size_t)most, sizeof *g->places);
     for (int i = 0; i < g->def->base->case_count; ++i) {
         const long size = (long)pl_grid_combinations(&g->keys[i]);
         for (long k = 0; k < size && status == PL_OK; ++k) {
@@ -230,9 +225,7 @@ static pl_status list_places(grid *g, long most, pl_error *error)
             status = name_place(g, &at, &name, error);
             if (status == PL_OK && json_object_get(seen, name) == NULL) {
                 g->places[g->count++] = at;
-                if (json_object_set_new_nocheck(seen, name, json_true()) != 0) {
-                    status = pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
-                }
+                json_object_set_new_nocheck(seen, name, json_true());
             }
             free(name);
         }
@@ -274,16 +267,13 @@ static bool needs_pairings(const grid *g)
 }
 
 /* Adds the points of a case that are the shard's. */
-static pl_status add_points(const grid *g, int number, int test_case, pl_plan *plan,
-                            pl_error *error)
+static void add_points(const grid *g, int number, int test_case, pl_plan *plan)
 {
-    pl_status status = PL_OK;
-    for (int i = 0; i < plan->configuration_count && status == PL_OK; ++i) {
+    for (int i = 0; i < plan->configuration_count; ++i) {
         if (has_point(g, plan, number, i)) {
-            status = pl_plan_add_pairing(plan, test_case, i, error);
+            pl_plan_add_pairing(plan, test_case, i);
         }
     }
-    return status;
 }
 
 /* The case and its points, as far as they are the shard's. */
@@ -301,7 +291,10 @@ static pl_status add_share(const grid *g, int number, pl_plan *plan, pl_error *e
         return status;
     }
     at->test_case = before;
-    return needs_pairings(g) ? add_points(g, number, before, plan, error) : PL_OK;
+    if (needs_pairings(g)) {
+        add_points(g, number, before, plan);
+    }
+    return PL_OK;
 }
 
 /* The scene of a case with each of its changes, and the points. */
@@ -326,7 +319,7 @@ static pl_status add_changes(const grid *g, int number, pl_plan *plan, pl_error 
             status = PL_OK;
         } else if (plan->case_count > before) {
             ++applied;
-            status = add_points(g, number, before, plan, error);
+            add_points(g, number, before, plan);
         }
     }
     plan->variation = (pl_variation){.change = NULL};
@@ -374,12 +367,8 @@ pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
     }
     json_t *labels = json_object();
     const size_t settings = def->drawn == NULL ? 0 : (size_t)def->drawn->count;
-    g.keys = calloc((size_t)def->base->case_count + 1, sizeof *g.keys);
-    g.steps = calloc(settings + 1, sizeof *g.steps);
-    if (g.keys == NULL || g.steps == NULL || labels == NULL) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
-        goto cleanup;
-    }
+    g.keys = pl_heap_new((size_t)def->base->case_count, sizeof *g.keys);
+    g.steps = pl_heap_new(settings, sizeof *g.steps);
     for (int i = 0; i < def->base->case_count; ++i) {
         g.keys[i] = pl_grid_keys_of_case(def, &def->base->cases[i]);
         cases += pl_grid_combinations(&g.keys[i]);
@@ -401,8 +390,6 @@ pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
     if (status == PL_OK) {
         status = add_cases(&g, plan, error);
     }
-
-cleanup:
     json_decref(labels);
     free(g.keys);
     free(g.steps);
@@ -416,16 +403,10 @@ pl_status pl_grid_list(const pl_plan *plan, const char *path, pl_error *error)
     for (long i = 0; i < pl_plan_size(plan); ++i) {
         const pl_planned_run run = pl_plan_run(plan, i);
         json_t *identity = pl_planned_run_identity(plan, &run);
-        if (json_object_set_new(identity, "schema", json_string("plumb.plan/1")) != 0 ||
-            json_object_set_new(identity, "index", json_integer(i)) != 0) {
-            text.failed = true;
-        }
+        json_object_set_new(identity, "schema", json_string("plumb.plan/1"));
+        json_object_set_new(identity, "index", json_integer(i));
         pl_result_add_line(&text, identity);
         json_decref(identity);
     }
-    pl_status status =
-        text.failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for the plan")
-                    : pl_write_text(path, text.data == NULL ? "" : text.data, text.length, error);
-    pl_text_free(&text);
-    return status;
+    return pl_write_buffer(path, &text, error);
 }

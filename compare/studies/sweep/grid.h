@@ -46,7 +46,7 @@ typedef struct pl_grid_def {
 pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error);
 
 /* Writes the plan's runs to `path` ("-" is standard output), one line of JSON each, plumb.plan/1
- * (results/SCHEMA.md), in the order in which one process makes them. PL_IO, PL_NO_MEMORY. */
+ * (results/SCHEMA.md), in the order in which one process makes them. PL_IO. */
 pl_status pl_grid_list(const pl_plan *plan, const char *path, pl_error *error);
 
 #endif

@@ -1,7 +1,7 @@
 /* The keys that apply to each case and configuration, and the checks of all keys. */
 #include "grid_keys.h"
 
-#include "base/array.h"
+#include "base/heap.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -93,12 +93,11 @@ pl_grid_keys pl_grid_keys_of_configuration(const pl_grid_def *def,
 typedef struct names {
     const char **items;
     int count;
-    bool failed; /* out of memory */
 } names;
 
 static void add_name(names *n, const char *name)
 {
-    n->failed = pl_array_push(&n->items, &n->count, &name, sizeof name, NULL) != PL_OK || n->failed;
+    pl_push(&n->items, &n->count, &name, sizeof name);
 }
 
 /* All keys of what the owner restricts to; of everything when the owner is empty. */
@@ -137,9 +136,9 @@ static bool contains(const names *n, const char *name)
 static pl_status fail_unknown(const char *what, const char *word, names *n, pl_error *error)
 {
     char suggestion[PL_SUGGESTION_SIZE];
-    pl_status status = n->failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for --vary")
-                                 : pl_fail(error, PL_BAD_INPUT, "--vary: %s %s%s", what, word,
-                                           pl_did_you_mean(word, n->items, n->count, suggestion));
+    pl_did_you_mean(word, n->items, n->count, suggestion);
+    const pl_status status =
+        pl_fail(error, PL_BAD_INPUT, "--vary: %s %s%s", what, word, suggestion);
     free(n->items);
     return status;
 }

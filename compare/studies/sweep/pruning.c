@@ -21,26 +21,25 @@ static char *name_point(const pl_plan *plan, const pl_planned_run *run)
     for (int i = 0; i < test_case->descriptor->param_count; ++i) {
         pl_text_format(&text, " %a", test_case->params[i]);
     }
-    return text.failed ? NULL : text.data;
+    return pl_text_take(&text);
 }
 
-/* Notes the run, with the hash by which its result will be known. False: out of memory. */
-static bool note_run(pl_repeats *repeats, const pl_plan *plan, const pl_planned_run *run)
+/* Notes the run, with the hash by which its result will be known. */
+static void note_run(pl_repeats *repeats, const pl_plan *plan, const pl_planned_run *run)
 {
     char *name = name_point(plan, run);
     char hash[17];
-    bool noted = name != NULL && pl_planned_run_hash(plan, run, hash, NULL) == PL_OK &&
-                 json_object_set_new(repeats->points, hash, json_string(name)) == 0;
-    if (noted && run->test_case->variation.change != NULL) {
-        noted = json_object_set_new(repeats->changed, hash, json_true()) == 0;
-    } else if (noted && run->repeat == 0) {
-        noted = json_object_set_new(repeats->first, hash, json_true()) == 0;
+    pl_planned_run_hash(plan, run, hash);
+    json_object_set_new(repeats->points, hash, json_string(name));
+    if (run->test_case->variation.change != NULL) {
+        json_object_set_new(repeats->changed, hash, json_true());
+    } else if (run->repeat == 0) {
+        json_object_set_new(repeats->first, hash, json_true());
     }
     free(name);
-    return noted;
 }
 
-pl_status pl_repeats_begin(pl_repeats *repeats, const pl_plan *plan, double limit, pl_error *error)
+void pl_repeats_begin(pl_repeats *repeats, const pl_plan *plan, double limit)
 {
     *repeats = (pl_repeats){.limit = limit,
                             .points = json_object(),
@@ -48,13 +47,10 @@ pl_status pl_repeats_begin(pl_repeats *repeats, const pl_plan *plan, double limi
                             .changed = json_object(),
                             .spared = json_object(),
                             .failed = json_object()};
-    bool made = repeats->points != NULL && repeats->first != NULL && repeats->changed != NULL &&
-                repeats->spared != NULL && repeats->failed != NULL;
-    for (long i = 0; made && i < pl_plan_size(plan); ++i) {
+    for (long i = 0; i < pl_plan_size(plan); ++i) {
         const pl_planned_run run = pl_plan_run(plan, i);
-        made = note_run(repeats, plan, &run);
+        note_run(repeats, plan, &run);
     }
-    return made ? PL_OK : pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
 }
 
 void pl_repeats_free(pl_repeats *repeats)

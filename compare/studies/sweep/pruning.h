@@ -17,8 +17,8 @@ typedef struct pl_repeats {
     json_t *failed;  /* points whose outcome on the scene itself was not ok, as keys */
 } pl_repeats;
 
-/* Numbers the points of a plan. PL_NO_MEMORY. The caller frees *repeats in any case. */
-pl_status pl_repeats_begin(pl_repeats *repeats, const pl_plan *plan, double limit, pl_error *error);
+/* Numbers the points of a plan. The caller frees *repeats. */
+void pl_repeats_begin(pl_repeats *repeats, const pl_plan *plan, double limit);
 
 /* Releases the JSON objects. */
 void pl_repeats_free(pl_repeats *repeats);

@@ -1,6 +1,8 @@
 /* The shard of this process, from text or from the environment, and its points. */
 #include "shard.h"
 
+#include "base/heap.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -140,7 +142,5 @@ int pl_shard_of_point(int count, int cases, int configurations, int test_case, i
 
 char *pl_shard_folder(const char *directory, pl_shard shard)
 {
-    char *folder = NULL;
-    int length = asprintf(&folder, "%s/shard-%d-of-%d", directory, shard.index + 1, shard.count);
-    return length < 0 ? NULL : folder;
+    return pl_heap_format("%s/shard-%d-of-%d", directory, shard.index + 1, shard.count);
 }

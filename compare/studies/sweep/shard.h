@@ -30,7 +30,7 @@ pl_status pl_shard_from_environment(pl_shard *shard, bool *found, pl_error *erro
  * repeats of a point are in one shard. */
 int pl_shard_of_point(int count, int cases, int configurations, int test_case, int configuration);
 
-/* DIRECTORY/shard-I-of-N, with I from 1; malloc'd, NULL when out of memory. */
+/* DIRECTORY/shard-I-of-N, with I from 1; malloc'd. */
 char *pl_shard_folder(const char *directory, pl_shard shard);
 
 #endif

@@ -71,8 +71,9 @@ static void say_difference(const json_t *first, const json_t *second, const char
         pl_text_format(&line, "%s %s", i == 0 ? metric : ", then", value == NULL ? "?" : value);
         free(value);
     }
-    pl_print_line(warnings, "%s", line.failed ? "out of memory" : line.data);
-    pl_text_free(&line);
+    char *whole = pl_text_take(&line);
+    pl_print_line(warnings, "%s", whole);
+    free(whole);
 }
 
 static void judge_double(pl_merge *merge, const json_t *first, const json_t *second, FILE *warnings)
@@ -141,11 +142,9 @@ static int is_shard(const struct dirent *entry)
 static pl_status add_results_of(pl_merge *merge, const char *folder, FILE *warnings,
                                 pl_error *error)
 {
-    char *path = NULL;
-    if (asprintf(&path, "%s/results.jsonl", folder) < 0) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", folder);
-    }
-    pl_status status = access(path, F_OK) == 0 ? add_file(merge, path, warnings, error) : PL_OK;
+    char *path = pl_heap_format("%s/results.jsonl", folder);
+    const pl_status status =
+        access(path, F_OK) == 0 ? add_file(merge, path, warnings, error) : PL_OK;
     free(path);
     return status;
 }
@@ -159,11 +158,7 @@ static pl_status add_folder(pl_merge *merge, const char *folder, FILE *warnings,
         return pl_fail(error, PL_IO, "%s: %s", folder, strerror(errno));
     }
     for (int i = 0; i < count; ++i) {
-        char *path = NULL;
-        if (status == PL_OK && asprintf(&path, "%s/%s", folder, shards[i]->d_name) < 0) {
-            path = NULL;
-            status = pl_fail(error, PL_NO_MEMORY, "%s: out of memory", folder);
-        }
+        char *path = pl_heap_format("%s/%s", folder, shards[i]->d_name);
         if (status == PL_OK) {
             status = add_results_of(merge, path, warnings, error);
         }
@@ -207,9 +202,5 @@ pl_status pl_merge_write(const pl_merge *merge, const char *path, pl_error *erro
     {
         pl_result_add_line(&text, result);
     }
-    pl_status status =
-        text.failed ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
-                    : pl_write_text(path, text.data == NULL ? "" : text.data, text.length, error);
-    pl_text_free(&text);
-    return status;
+    return pl_write_buffer(path, &text, error);
 }

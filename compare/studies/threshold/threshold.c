@@ -118,8 +118,9 @@ static pl_status add_trial(pl_plan *round, const pl_case *test_case, search *s, 
     }
     const pl_planned_run planned = {.test_case = &round->cases[index],
                                     .configuration = &round->configurations[s->configuration]};
-    status = pl_plan_add_pairing(round, index, s->configuration, error);
-    return status == PL_OK ? pl_planned_run_hash(round, &planned, s->run, error) : status;
+    pl_plan_add_pairing(round, index, s->configuration);
+    pl_planned_run_hash(round, &planned, s->run);
+    return PL_OK;
 }
 
 /* One trial of every search that is not over; *any is false when there was none. */

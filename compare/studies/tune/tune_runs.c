@@ -183,9 +183,9 @@ static pl_status add_subject(const pl_tuner *t, const pl_tuner_runs *runs, int n
     const pl_variant *variant = runs->variant == NULL ? &pl_variant_none : runs->variant;
     const pl_setting setting = setting_of(t, subject);
     char label[PL_LABEL_SIZE];
-    int configuration = 0;
     pl_engine_choice_label(&setting.choice, label);
-    pl_status status = pl_plan_add_choice(plan, &setting.choice, label, &configuration, error);
+    const int configuration = pl_plan_add_choice(plan, &setting.choice, label);
+    pl_status status = PL_OK;
     for (int p = 0; p < asked->case_count && status == PL_OK; ++p) {
         json_t *study = study_of(t, runs, subject, p);
         int index = -1;
@@ -195,7 +195,7 @@ static pl_status add_subject(const pl_tuner *t, const pl_tuner_runs *runs, int n
         plan->study = study;
         status = add_case(plan, &asked->cases[p], variant, asked->seed, setting.dt, &index, error);
         if (status == PL_OK && index >= 0) {
-            status = pl_plan_add_pairing(plan, index, configuration, error);
+            pl_plan_add_pairing(plan, index, configuration);
         }
         json_decref(study);
     }

@@ -1,6 +1,7 @@
 /* The search in three stages, over a cache of the evaluations. */
 #include "tune_search.h"
 
+#include "base/heap.h"
 #include "base/random.h"
 #include "studies/design.h"
 
@@ -362,10 +363,7 @@ static void sample_space(pl_evaluation_cache *cache)
 pl_status pl_search(const pl_search_def *def, pl_search_result *result, pl_error *error)
 {
     *result = (pl_search_result){.best = -1};
-    result->evaluations = calloc((size_t)def->budget, sizeof *result->evaluations);
-    if (result->evaluations == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d points", def->budget);
-    }
+    result->evaluations = pl_heap_new((size_t)def->budget, sizeof *result->evaluations);
     pl_evaluation_cache cache = {.def = def, .found = result, .error = error};
     cache.limit = (int)ceil(sampling_end * def->budget);
     sample_space(&cache);

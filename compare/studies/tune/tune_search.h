@@ -71,7 +71,7 @@ typedef struct pl_search_result {
 /* Evaluates low-discrepancy points over the space, in half of which a parameter that spends no time
  * stays at its start; then runs NLopt from the best of them; then steps along each parameter and in
  * seeded directions around the best point. Equal seeds and equal answers give equal points. The
- * caller frees result->evaluations in any case. PL_NO_MEMORY, and what `measure` returned. */
+ * caller frees result->evaluations in any case. What `measure` returned. */
 pl_status pl_search(const pl_search_def *def, pl_search_result *result, pl_error *error);
 
 /* Adds an evaluation, for which the result has room. */
