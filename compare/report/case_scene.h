@@ -10,8 +10,8 @@
  * file is not there. The caller frees *scene, also on failure. */
 pl_status pl_case_scene_build(const pl_result_case *test_case, pl_scene *scene, pl_error *error);
 
-/* The scene as the page draws it: bodies, shapes and expected rests, a new reference; NULL when out
- * of memory. page/README.md has its keys. */
+/* The scene as the page draws it: bodies, shapes and expected rests, a new reference. page/README.md
+ * has its keys. */
 json_t *pl_case_scene_json(const pl_scene *scene);
 
 /* A number to six digits, which place a body to a millionth of the scene; null for one that is not

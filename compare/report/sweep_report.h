@@ -7,8 +7,7 @@
 
 #include <stdio.h>
 
-/* The analysis as plumb.sweep/2, with what is said of it in words: a new reference; NULL when out of
- * memory. */
+/* The analysis as plumb.sweep/2, with what is said of it in words: a new reference. */
 json_t *pl_sweep_report_json(const pl_sweep_analysis *analysis);
 
 /* Writes sweep.html and sweep.json (plumb.sweep/2) into `directory`, which must exist; each file is
