@@ -74,9 +74,8 @@ void pl_plot_row(json_t *plot, const char *name, const double *numbers, int coun
             json_array_append_new(list, json_real(numbers[i]));
         }
     }
-    json_array_append_new(
-        json_object_get(plot, "rows"),
-        json_pack("{s:o, s:o}", "name", pl_json_text(name, strlen(name)), "numbers", list));
+    json_array_append_new(json_object_get(plot, "rows"),
+                          json_pack("{s:o, s:o}", "name", pl_json_text(name), "numbers", list));
 }
 
 void pl_plot_rule(json_t *plot, double x)
@@ -188,11 +187,6 @@ char *pl_document_csv(const pl_document *document)
 
 /* ---- JSON ---- */
 
-static json_t *text_json(const char *text)
-{
-    return pl_json_text(text, strlen(text));
-}
-
 /* A cell is its text, null below a span, or {"text", "style", "span"}. */
 static json_t *cell_json(const pl_table *table, int row, int column)
 {
@@ -202,8 +196,8 @@ static json_t *cell_json(const pl_table *table, int row, int column)
         return json_null();
     }
     return cell->style == NULL && !cell->is_span
-               ? text_json(text)
-               : json_pack("{s:o, s:s?, s:b}", "text", text_json(text), "style", cell->style,
+               ? pl_json_text(text)
+               : json_pack("{s:o, s:s?, s:b}", "text", pl_json_text(text), "style", cell->style,
                            "span", (int)cell->is_span);
 }
 
@@ -213,7 +207,7 @@ static json_t *table_json(const pl_block *block)
     json_t *columns = json_array(), *rows = json_array();
     for (int k = 0; k < table->column_count; ++k) {
         json_array_append_new(columns, json_pack("{s:o, s:b}", "name",
-                                                 text_json(pl_table_text(table, -1, k)), "right",
+                                                 pl_json_text(pl_table_text(table, -1, k)), "right",
                                                  table->headings[k].align == PL_RIGHT));
     }
     for (int i = 0; i < pl_table_rows(table); ++i) {
@@ -223,7 +217,7 @@ static json_t *table_json(const pl_block *block)
         }
         json_array_append_new(rows, row);
     }
-    return json_pack("{s:o, s:o, s:o}", "caption", text_json(block->text), "columns", columns,
+    return json_pack("{s:o, s:o, s:o}", "caption", pl_json_text(block->text), "columns", columns,
                      "rows", rows);
 }
 
@@ -233,14 +227,14 @@ static json_t *block_json(const pl_block *block)
            : block->kind == PL_BLOCK_PLOT
                ? json_incref(block->plot)
                : json_pack("{s:o}", block->kind == PL_BLOCK_ITEM ? "item" : "text",
-                           text_json(block->text));
+                           pl_json_text(block->text));
 }
 
 static json_t *begin_section(json_t *sections, const char *title)
 {
     json_t *blocks = json_array();
     json_array_append_new(sections,
-                          json_pack("{s:o, s:o}", "title", text_json(title), "blocks", blocks));
+                          json_pack("{s:o, s:o}", "title", pl_json_text(title), "blocks", blocks));
     return blocks;
 }
 
@@ -256,5 +250,5 @@ json_t *pl_document_json(const pl_document *document)
         blocks = blocks == NULL ? begin_section(sections, document->title) : blocks;
         json_array_append_new(blocks, block_json(block));
     }
-    return json_pack("{s:o, s:o}", "title", text_json(document->title), "sections", sections);
+    return json_pack("{s:o, s:o}", "title", pl_json_text(document->title), "sections", sections);
 }

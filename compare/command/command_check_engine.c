@@ -111,8 +111,7 @@ static json_t *result_json(const pl_check_result *result)
         {"expected", result->expected}, {"found", result->found}, {"likely", result->cause}};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
         if (texts[i].text[0] != '\0') {
-            json_object_set_new(object, texts[i].key,
-                                pl_json_text(texts[i].text, strlen(texts[i].text)));
+            json_object_set_new(object, texts[i].key, pl_json_text(texts[i].text));
         }
     }
     return object;
@@ -205,11 +204,9 @@ static pl_status check_choice(checking *c, const pl_engine_choice *choice, pl_er
     keep_record(c, choice, counts);
     c->failed = c->failed || counts[PL_CHECK_FAILED] > 0;
     json_array_append_new(
-        c->list,
-        json_pack("{s:o, s:o, s:s, s:s, s:o}", "label", pl_json_text(label, strlen(label)),
-                  "engine_version",
-                  pl_json_text(choice->engine->version, strlen(choice->engine->version)),
-                  "engine_binary", choice->engine->binary, "outcome", verdict, "checks", results));
+        c->list, json_pack("{s:o, s:o, s:s, s:s, s:o}", "label", pl_json_text(label),
+                           "engine_version", pl_json_text(choice->engine->version), "engine_binary",
+                           choice->engine->binary, "outcome", verdict, "checks", results));
     return PL_OK;
 }
 

@@ -64,7 +64,7 @@ static pl_status add_engine(const pl_built_in *built_in, json_t *list, bool *fau
     json_array_append_new(list, engine->fault.is_fault
                                     ? json_pack("{s:s, s:b, s:s, s:o}", "name", built_in->name,
                                                 "present", 1, "runtime", pl_engine_runtime(engine),
-                                                "fault", pl_json_text(fault, strlen(fault)))
+                                                "fault", pl_json_text(fault))
                                     : json_pack("{s:s, s:b, s:s, s:s, s:s}", "name", built_in->name,
                                                 "present", 1, "runtime", pl_engine_runtime(engine),
                                                 "version", engine->version, "conformance", text));
@@ -87,9 +87,9 @@ static json_t *list_tools(void)
         const char *set = tools[i].variable == NULL ? NULL : getenv(tools[i].variable);
         const char *program = set != NULL && set[0] != '\0' ? set : tools[i].name;
         json_array_append_new(list, json_pack("{s:s, s:o, s:b, s:s, s:s}", "name", tools[i].name,
-                                              "program", pl_json_text(program, strlen(program)),
-                                              "present", (int)pl_has_program(program), "use",
-                                              tools[i].use, "get", tools[i].get));
+                                              "program", pl_json_text(program), "present",
+                                              (int)pl_has_program(program), "use", tools[i].use,
+                                              "get", tools[i].get));
     }
     return list;
 }

@@ -80,7 +80,7 @@ static pl_status describe_engine(json_t *item, const pl_engine_info *e, pl_error
 {
     json_t *tuned = NULL;
     if (e->fault.is_fault) {
-        json_object_set_new(item, "fault", pl_json_text(e->fault.reason, strlen(e->fault.reason)));
+        json_object_set_new(item, "fault", pl_json_text(e->fault.reason));
         return PL_OK;
     }
     pl_status status = pl_tuned_profiles(e, &tuned, error);

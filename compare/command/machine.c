@@ -57,7 +57,7 @@ static json_t *governor(void)
     if (file != NULL) {
         fclose(file);
     }
-    return is_read ? pl_json_text(word, strlen(word)) : NULL;
+    return is_read ? pl_json_text(word) : NULL;
 }
 
 /* Whether the processor may exceed its nominal frequency; NULL: that cannot be read. */

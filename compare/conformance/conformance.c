@@ -57,11 +57,6 @@ typedef struct check_job {
     const pl_engine_choice *choice;
 } check_job;
 
-static json_t *text_json(const char *text)
-{
-    return pl_json_text(text, strlen(text));
-}
-
 static void run_and_answer(void *user, FILE *answer)
 {
     const check_job *job = user;
@@ -80,8 +75,8 @@ static void run_and_answer(void *user, FILE *answer)
     pl_scene_free(&probe.scene);
     free(probe.contacts);
     json_t *object = json_pack("{s:i, s:o, s:o, s:o}", "outcome", (int)result.outcome, "expected",
-                               text_json(result.expected), "found", text_json(result.found),
-                               "cause", text_json(result.cause));
+                               pl_json_text(result.expected), "found", pl_json_text(result.found),
+                               "cause", pl_json_text(result.cause));
     json_dumpf(object, answer, JSON_COMPACT);
     json_decref(object);
 }

@@ -127,8 +127,8 @@ static void describe_and_answer(void *user, FILE *answer)
     pl_error error = {.message = ""};
     pl_status status = describe(user, answer, &description, &error);
     if (status != PL_OK) {
-        description = json_pack("{s:i, s:o}", "status", (int)status, "error",
-                                pl_json_text(error.message, strlen(error.message)));
+        description =
+            json_pack("{s:i, s:o}", "status", (int)status, "error", pl_json_text(error.message));
     }
     report_stage(answer, COMPLETE);
     json_dumpf(description, answer, JSON_COMPACT | JSON_REAL_PRECISION(17));

@@ -282,7 +282,7 @@ static void write_junit(const pl_gate_verdict *verdict, pl_text_buffer *text)
 
 static json_t *text_or_null(const char *text)
 {
-    return text[0] == '\0' ? json_null() : pl_json_text(text, strlen(text));
+    return text[0] == '\0' ? json_null() : pl_json_text(text);
 }
 
 static json_t *entry_json(const pl_gate_entry *entry)

@@ -150,10 +150,10 @@ json_t *pl_case_scene_json(const pl_scene *scene)
     for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         json_array_append_new(
-            bodies, json_pack("{s:o, s:b, s:o, s:o, s:o}", "name",
-                              pl_json_text(body->name, strlen(body->name)), "static",
-                              (int)body->is_static, "shape", shape_json(scene, &body->shape), "at",
-                              numbers(body->position, 3), "turn", numbers(body->orientation, 4)));
+            bodies,
+            json_pack("{s:o, s:b, s:o, s:o, s:o}", "name", pl_json_text(body->name), "static",
+                      (int)body->is_static, "shape", shape_json(scene, &body->shape), "at",
+                      numbers(body->position, 3), "turn", numbers(body->orientation, 4)));
     }
     for (int i = 0; i < scene->polyhedron_count; ++i) {
         json_array_append_new(polyhedra, polyhedron_json(scene->polyhedra[i]));

@@ -17,7 +17,7 @@ enum { MOST_BODIES = 2000, MOST_OUTPUT = 4000 };
 
 static json_t *text_or_null(const char *text)
 {
-    return text == NULL ? json_null() : pl_json_text(text, strlen(text));
+    return text == NULL ? json_null() : pl_json_text(text);
 }
 
 /* Sets a text, which may be any bytes; nothing where it is NULL or empty. */
@@ -40,7 +40,7 @@ static void set_buffer(json_t *object, const char *key, pl_text_buffer *text)
 /* Adds a text to a sorted array, if it is not there yet. */
 static void add_once(json_t *array, const char *text)
 {
-    json_t *added = pl_json_text(text, strlen(text));
+    json_t *added = pl_json_text(text);
     size_t place = 0;
     int order = -1;
     while (place < json_array_size(array) &&

@@ -21,7 +21,7 @@ static void set_said(json_t *json, const char *key, const pl_sweep_analysis *ana
     pl_text_buffer said = {0};
     say(analysis, &said);
     if (said.length > 0) {
-        json_object_set_new(json, key, pl_json_text(said.data, said.length));
+        json_object_set_new(json, key, pl_json_bytes(said.data, said.length));
     }
     pl_text_free(&said);
 }

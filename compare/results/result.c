@@ -55,7 +55,7 @@ pl_outcome pl_outcome_named(const char *name)
 
 static json_t *text_or_null(const char *text)
 {
-    return text[0] == '\0' ? json_null() : pl_json_text(text, strlen(text));
+    return text[0] == '\0' ? json_null() : pl_json_text(text);
 }
 
 const char *pl_result_runtime(const json_t *result)
@@ -149,7 +149,7 @@ static json_t *spec_json(const pl_run_view *run)
 {
     const pl_engine_info *engine = run->engine;
     char *spec = pl_heap_format("%s:%s", engine->spec, engine->profiles[run->profile].name);
-    json_t *text = pl_json_text(spec, strlen(spec));
+    json_t *text = pl_json_text(spec);
     free(spec);
     return text;
 }
@@ -177,11 +177,10 @@ static bool is_as_shipped(const pl_run_view *run)
 json_t *pl_run_identity(const pl_run_view *run)
 {
     json_t *identity = json_pack(
-        "{s:o, s:o, s:s, s:s, s:s, s:s, s:o, s:I, s:i}", "scenario",
-        pl_json_text(run->scenario, strlen(run->scenario)), "params", params_json(run),
-        "scene_hash", run->scene_hash, "engine", run->engine->name, "engine_version",
-        run->engine->version, "profile", run->engine->profiles[run->profile].name, "settings",
-        settings_json(run), "seed", (json_int_t)run->seed, "repeat", run->repeat);
+        "{s:o, s:o, s:s, s:s, s:s, s:s, s:o, s:I, s:i}", "scenario", pl_json_text(run->scenario),
+        "params", params_json(run), "scene_hash", run->scene_hash, "engine", run->engine->name,
+        "engine_version", run->engine->version, "profile", run->engine->profiles[run->profile].name,
+        "settings", settings_json(run), "seed", (json_int_t)run->seed, "repeat", run->repeat);
     json_object_set_new(identity, "engine_binary", json_string(run->engine->binary));
     if (run->is_member) {
         json_object_set_new(identity, "member", json_integer(run->member));
@@ -193,14 +192,14 @@ json_t *pl_run_identity(const pl_run_view *run)
         json_object_set(identity, "study", run->study);
     }
     if (run->label_is_given) {
-        json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
+        json_object_set_new(identity, "label", pl_json_text(run->label));
     }
     char *text = pl_result_to_line(identity);
     char hash[PL_HASH_TEXT_SIZE];
     pl_hash_hex(pl_hash_text(PL_HASH_START, text), hash);
     free(text);
     json_object_set_new(identity, "run", json_string(hash));
-    json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
+    json_object_set_new(identity, "label", pl_json_text(run->label));
     if (run->descriptor->edition[0] != '\0') {
         json_object_set_new(identity, "scene_edition", json_string(run->descriptor->edition));
     }
@@ -232,16 +231,15 @@ static json_t *metric_json(const pl_metric *metric, const pl_metric_info *info)
 {
     const char *unit = metric->unit != NULL ? metric->unit : info->unit;
     bool has_value = metric->state == PL_METRIC_VALUE && isfinite(metric->value);
-    json_t *value = has_value ? json_real(metric->value)
-                    : metric->state == PL_METRIC_TEXT
-                        ? pl_json_text(metric->text, strlen(metric->text))
-                        : json_null();
+    json_t *value = has_value                         ? json_real(metric->value)
+                    : metric->state == PL_METRIC_TEXT ? pl_json_text(metric->text)
+                                                      : json_null();
     json_t *object = json_pack("{s:o, s:s, s:s, s:b}", "value", value, "unit", unit, "direction",
                                direction_name(info->direction), "deterministic",
                                (info->traits & PL_TRAIT_MEASURED) == 0);
     if (!has_value && metric->state != PL_METRIC_TEXT) {
         const char *reason = metric->reason[0] != '\0' ? metric->reason : "the value is not finite";
-        json_object_set_new(object, "reason", pl_json_text(reason, strlen(reason)));
+        json_object_set_new(object, "reason", pl_json_text(reason));
     }
     if (has_value && metric->has_percentiles) {
         json_object_set_new(object, "p50", pl_json_number_or_null(metric->p50));
@@ -317,9 +315,8 @@ static json_t *off_json(const pl_deviations *deviations)
     json_t *list = json_array();
     for (int i = 0; i < deviations->off && i < PL_MOST_DEVIATIONS; ++i) {
         const char *text = deviations->text[i];
-        json_array_append_new(list,
-                              json_pack("{s:o, s:o}", "what", pl_json_text(text, strlen(text)),
-                                        "ratio", pl_json_number_or_null(deviations->ratio[i])));
+        json_array_append_new(list, json_pack("{s:o, s:o}", "what", pl_json_text(text), "ratio",
+                                              pl_json_number_or_null(deviations->ratio[i])));
     }
     return list;
 }
@@ -400,20 +397,16 @@ static json_t *host_json(void)
     snprintf(kernel_and_os, sizeof kernel_and_os, "%s%s%s %s", os, os[0] == '\0' ? "" : ", ",
              kernel.sysname, kernel.release);
     const char *processor = cpu[0] != '\0' ? cpu : kernel.machine;
-    return json_pack("{s:o, s:i, s:o, s:s, s:s}", "cpu", pl_json_text(processor, strlen(processor)),
-                     "cpus", pl_usable_cpus(), "os",
-                     pl_json_text(kernel_and_os, strlen(kernel_and_os)), "compiler", PLUMB_COMPILER,
-                     "flags", PLUMB_FLAGS);
+    return json_pack("{s:o, s:i, s:o, s:s, s:s}", "cpu", pl_json_text(processor), "cpus",
+                     pl_usable_cpus(), "os", pl_json_text(kernel_and_os), "compiler",
+                     PLUMB_COMPILER, "flags", PLUMB_FLAGS);
 }
 
 json_t *pl_provenance(int argc, char *const *argv)
 {
     json_t *command = json_array();
     for (int i = 0; i < argc; ++i) {
-        if (json_array_append_new(command, pl_json_text(argv[i], strlen(argv[i]))) != 0) {
-            json_decref(command);
-            return NULL;
-        }
+        json_array_append_new(command, pl_json_text(argv[i]));
     }
     return json_pack("{s:o, s:{s:s, s:s}, s:o}", "host", host_json(), "plumb", "version",
                      PLUMB_VERSION, "git", PLUMB_GIT, "command", command);

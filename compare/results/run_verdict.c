@@ -191,7 +191,7 @@ static void add_verdict(json_t *result)
     char reason[1024] = "";
     const pl_verdict verdict = judge(result, reason, sizeof reason);
     json_t *name = verdict == PL_VERDICT_UNJUDGED ? json_null() : json_string(names[verdict]);
-    json_t *text = reason[0] == '\0' ? json_null() : pl_json_text(reason, strlen(reason));
+    json_t *text = reason[0] == '\0' ? json_null() : pl_json_text(reason);
     json_object_set_new(result, "verdict", name);
     json_object_set_new(result, "verdict_reason", text);
 }
@@ -199,9 +199,10 @@ static void add_verdict(json_t *result)
 json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,
                           size_t output_length, const char *started)
 {
-    json_t *result = json_pack(
-        "{s:s, s:o, s:s}", "schema", "plumb.result/1", "output",
-        output_length == 0 ? json_null() : pl_json_text(output, output_length), "started", started);
+    json_t *result =
+        json_pack("{s:s, s:o, s:s}", "schema", "plumb.result/1", "output",
+                  output_length == 0 ? json_null() : pl_json_bytes(output, output_length),
+                  "started", started);
     json_object_update(result, identity);
     json_object_update(result, outcome);
     json_object_update(result, provenance);

@@ -91,8 +91,7 @@ static void run_and_answer(void *user, FILE *answer)
         (void)answer_result(&fallen, answer, &error);
         return;
     }
-    json_t *object =
-        json_pack("{s:o}", "error", pl_json_text(error.message, strlen(error.message)));
+    json_t *object = json_pack("{s:o}", "error", pl_json_text(error.message));
     json_dumpf(object, answer, JSON_COMPACT);
     json_decref(object);
 }
@@ -236,7 +235,7 @@ static void add_last_line(const pl_isolated_run *run, json_t *outcome)
         strcmp(pl_json_get_text(outcome, "outcome"), "crashed") == 0) {
         snprintf(reason, sizeof reason, "%s; last line: %s", pl_json_get_text(outcome, "reason"),
                  line);
-        json_object_set_new(outcome, "reason", pl_json_text(reason, strlen(reason)));
+        json_object_set_new(outcome, "reason", pl_json_text(reason));
     }
 }
 

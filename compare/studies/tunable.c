@@ -73,7 +73,7 @@ static void add_code(json_t *lines, const char *code, const char *value)
     char *line = place == NULL
                      ? pl_heap_copy(code)
                      : pl_heap_format("%.*s%s%s", (int)(place - code), code, value, place + 2);
-    json_array_append_new(lines, pl_json_text(line, strlen(line)));
+    json_array_append_new(lines, pl_json_text(line));
     free(line);
 }
 

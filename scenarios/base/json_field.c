@@ -252,9 +252,12 @@ const char *pl_json_get_text(const json_t *object, const char *key)
     return text == NULL ? "" : text;
 }
 
-json_t *pl_json_text(const char *bytes, size_t length)
+json_t *pl_json_bytes(const char *bytes, size_t length)
 {
-    char *clean = calloc(length + 1, 1);
+    json_malloc_t take;
+    json_free_t give;
+    json_get_alloc_funcs(&take, &give);
+    char *clean = take(length + 1);
     if (clean == NULL) {
         return NULL;
     }
@@ -274,6 +277,11 @@ json_t *pl_json_text(const char *bytes, size_t length)
         }
         text = json_stringn(clean, length);
     }
-    free(clean);
+    give(clean);
     return text;
+}
+
+json_t *pl_json_text(const char *text)
+{
+    return pl_json_bytes(text, strlen(text));
 }

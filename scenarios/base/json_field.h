@@ -77,6 +77,9 @@ const char *pl_json_get_text(const json_t *object, const char *key);
 
 /* A JSON string of any bytes: where they are no UTF-8 text, each byte outside of ASCII becomes '?'.
  * Control characters (C0, DEL, C1) but tab and newline become '?' too. */
-json_t *pl_json_text(const char *bytes, size_t length);
+json_t *pl_json_bytes(const char *bytes, size_t length);
+
+/* The same of a text that ends with a zero. */
+json_t *pl_json_text(const char *text);
 
 #endif

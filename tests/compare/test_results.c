@@ -204,13 +204,13 @@ static void test_any_bytes_become_valid_text(void **state)
 {
     (void)state;
     const char bytes[] = "caf\xc3\xa9 \xff\x01\0 end";
-    json_t *text = pl_json_text(bytes, sizeof bytes - 1);
+    json_t *text = pl_json_bytes(bytes, sizeof bytes - 1);
     assert_string_equal(json_string_value(text), "caf?? ??? end");
     json_decref(text);
-    text = pl_json_text("caf\xc3\xa9\n", 6);
+    text = pl_json_bytes("caf\xc3\xa9\n", 6);
     assert_string_equal(json_string_value(text), "caf\xc3\xa9\n");
     json_decref(text);
-    text = pl_json_text("", 0);
+    text = pl_json_bytes("", 0);
     assert_string_equal(json_string_value(text), "");
     json_decref(text);
 }

@@ -139,7 +139,7 @@ static pl_status check_answer(const pl_channel *channel, const char *what, const
         return pl_fail(error, PL_FAILED, "answer to %s: error: expected a text, found %s", what,
                        pl_json_found(reason, found));
     }
-    json_t *plain = pl_json_text(json_string_value(reason), json_string_length(reason));
+    json_t *plain = pl_json_bytes(json_string_value(reason), json_string_length(reason));
     const pl_status status = pl_fail(error, refused ? PL_UNSUPPORTED : PL_FAILED, "%s",
                                      plain == NULL ? "" : json_string_value(plain));
     json_decref(plain);

@@ -11,7 +11,7 @@ enum { MOST_TEXT = 4096 };
 static json_t *text(const char *text_or_null)
 {
     return text_or_null == NULL ? json_null()
-                                : pl_json_text(text_or_null, strnlen(text_or_null, MOST_TEXT));
+                                : pl_json_bytes(text_or_null, strnlen(text_or_null, MOST_TEXT));
 }
 
 const char *pl_hello_precision(pl_precision precision)

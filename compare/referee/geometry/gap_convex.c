@@ -248,7 +248,7 @@ static void descend(const convex *a, const convex *b)
 }
 
 /* An upper bound of the gap of overlapping cores, which may be wrong if libccd fails. */
-static pl_status upper_bound(const convex *a, const convex *b, const ccd_t *ccd, double *upper)
+static double upper_bound(const convex *a, const convex *b, const ccd_t *ccd)
 {
     double depth = 0;
     ccd_vec3_t dir, position;
@@ -256,10 +256,10 @@ static pl_status upper_bound(const convex *a, const convex *b, const ccd_t *ccd,
     if (code == -2) {
         pl_out_of_memory();
     }
-    *upper = code == 0 ? -depth : core_distance(a, b);
+    double upper = code == 0 ? -depth : core_distance(a, b);
     /* EPA's facets are always inside A - B. On a curved surface EPA always reaches the limit. */
     if (exhausted(a->shared) && !(a->shared->curved && depth > 0)) {
-        *upper = HUGE_VAL;
+        upper = HUGE_VAL;
     }
     if (code == 0 && depth <= CERTIFIED) {
         probe_touching(a, b);
@@ -267,7 +267,7 @@ static pl_status upper_bound(const convex *a, const convex *b, const ccd_t *ccd,
     if (a->shared->curved) {
         descend(a, b);
     }
-    return PL_OK;
+    return upper;
 }
 
 /* The gap of overlapping cores in scaled units. */
@@ -288,11 +288,7 @@ static pl_status core_depth(const convex *a, const convex *b, double *gap)
         shared->supports = 0;
         shared->first = attempt_direction(attempt);
         shared->apart = pl_vec_scale(shared->first, attempt > 0 ? NUDGE : 0);
-        double upper = HUGE_VAL;
-        pl_status status = upper_bound(a, b, &ccd, &upper);
-        if (status != PL_OK) {
-            return status;
-        }
+        const double upper = upper_bound(a, b, &ccd);
         if (fabs(upper - shared->lower) < fabs(best - shared->lower)) {
             best = upper;
         }

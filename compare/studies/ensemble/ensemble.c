@@ -35,11 +35,10 @@ void pl_ensemble_mark(const pl_ensembles *ensembles, const char *const *against,
         const pl_ensemble *e = &ensembles->items[i];
         const pl_ensemble *asked = as_asked(ensembles, e->test_case);
         const char *text = e->setting == 0 ? NULL : against[e->setting - 1];
-        json_t *study =
-            json_pack("{s:s, s:o, s:i, s:o, s:b}", "name", "ensemble", "case",
-                      params_of(plan, &plan->cases[asked->cases[0]]), "setting", e->setting,
-                      "against", text == NULL ? json_null() : pl_json_text(text, strlen(text)),
-                      "converged", (int)e->reference);
+        json_t *study = json_pack(
+            "{s:s, s:o, s:i, s:o, s:b}", "name", "ensemble", "case",
+            params_of(plan, &plan->cases[asked->cases[0]]), "setting", e->setting, "against",
+            text == NULL ? json_null() : pl_json_text(text), "converged", (int)e->reference);
         for (int k = 0; k < ensembles->members; ++k) {
             pl_case *test_case = &plan->cases[e->cases[k]];
             json_decref(test_case->study);

@@ -295,9 +295,9 @@ static json_t *view_json(const group *g, const pl_ensemble_view *view)
     return json_pack(
         "{s:i, s:O, s:O, s:o, s:O, s:O, s:b, s:O, s:O, s:i, s:o, s:o, s:o, s:o}", "case",
         view->ensemble.test_case, "scenario", json_object_get(first, "scenario"), "params",
-        json_object_get(study, "case"), "name", pl_json_text(view->name, strlen(view->name)),
-        "label", json_object_get(first, "label"), "setting", json_object_get(study, "setting"),
-        "converged", (int)view->ensemble.reference, "dt",
+        json_object_get(study, "case"), "name", pl_json_text(view->name), "label",
+        json_object_get(first, "label"), "setting", json_object_get(study, "setting"), "converged",
+        (int)view->ensemble.reference, "dt",
         json_object_get(json_object_get(first, "settings"), "dt"), "runs", g->runs, "results",
         view->observed.results, "outcomes", outcomes_json(&view->observed), "invariants",
         invariants, "horizon", horizon_json(&view->horizon), "observables", observables);

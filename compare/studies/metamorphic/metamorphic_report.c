@@ -42,12 +42,11 @@ static json_t *conclude_check(const char *check, const json_t *result)
         reason = pl_heap_format("too few frames: %s", pl_json_get_text(agreement, "reason"));
     }
     json_t *passes_at = json_object_get(agreement, "passes_at");
-    json_t *found =
-        json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "check", check, "verdict", verdict, "reason",
-                  reason == NULL ? json_null() : pl_json_text(reason, strlen(reason)), "passes_at",
-                  passes_at == NULL ? json_null() : json_incref(passes_at), "early",
-                  difference_of(agreement, "early", verdict), "end",
-                  difference_of(agreement, "end", verdict));
+    json_t *found = json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "check", check, "verdict", verdict,
+                              "reason", reason == NULL ? json_null() : pl_json_text(reason),
+                              "passes_at", passes_at == NULL ? json_null() : json_incref(passes_at),
+                              "early", difference_of(agreement, "early", verdict), "end",
+                              difference_of(agreement, "end", verdict));
     free(reason);
     return found;
 }

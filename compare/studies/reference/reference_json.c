@@ -48,8 +48,7 @@ static json_t *engines_json(const pl_reference *reference)
             json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "label", runs->label, "role", role, "steps",
                       numbers(steps, runs->count), "changes", numbers(runs->change, runs->count),
                       "apart", pl_json_number_or_null(i == 0 ? (double)NAN : runs->apart), "reason",
-                      runs->reason[0] == '\0' ? json_null()
-                                              : pl_json_text(runs->reason, strlen(runs->reason))));
+                      runs->reason[0] == '\0' ? json_null() : pl_json_text(runs->reason)));
     }
     return engines;
 }
@@ -111,13 +110,13 @@ static json_t *bodies_json(const pl_reference_verdict *verdict)
             largest = fmax(largest, final);
         }
         json_array_append_new(
-            array, json_pack("{s:o, s:f, s:o, s:o, s:o, s:b, s:o}", "name",
-                             pl_json_text(name, strlen(name)), "bound", reference->bounds[b],
-                             "final_error", pl_json_number_or_null(final), "largest_error",
-                             pl_json_number_or_null(largest), "horizon",
-                             horizon_json(reference, reference->horizon[b]), "contradicted",
-                             (int)pl_reference_is_contradicted(verdict, b, NULL, NULL),
-                             "configurations", configurations_json(verdict, b)));
+            array,
+            json_pack("{s:o, s:f, s:o, s:o, s:o, s:b, s:o}", "name", pl_json_text(name), "bound",
+                      reference->bounds[b], "final_error", pl_json_number_or_null(final),
+                      "largest_error", pl_json_number_or_null(largest), "horizon",
+                      horizon_json(reference, reference->horizon[b]), "contradicted",
+                      (int)pl_reference_is_contradicted(verdict, b, NULL, NULL), "configurations",
+                      configurations_json(verdict, b)));
     }
     return array;
 }
@@ -134,11 +133,10 @@ static json_t *ensemble_json(const pl_reference_verdict *verdict, const pl_after
     for (int i = 0; i < after->test_count; ++i) {
         const pl_end_test *t = &after->tests[i];
         const char *name = verdict->test_case->scene.bodies[reference->body[t->body]].name;
-        json_array_append_new(tests,
-                              json_pack("{s:s, s:o, s:s, s:f, s:f, s:f}", "label",
-                                        verdict->engines[t->engine].label, "body",
-                                        pl_json_text(name, strlen(name)), "axis", axes[t->axis],
-                                        "ks", t->ks, "p", t->p, "p_corrected", t->corrected));
+        json_array_append_new(tests, json_pack("{s:s, s:o, s:s, s:f, s:f, s:f}", "label",
+                                               verdict->engines[t->engine].label, "body",
+                                               pl_json_text(name), "axis", axes[t->axis], "ks",
+                                               t->ks, "p", t->p, "p_corrected", t->corrected));
     }
     return json_pack(
         "{s:i, s:f, s:b, s:b, s:o, s:o, s:o}", "members", PL_REFERENCE_MEMBERS, "reference_dt",
@@ -151,13 +149,13 @@ json_t *pl_reference_case_json(const pl_plan *plan, const pl_case *test_case,
                                const pl_reference *reference, const pl_reference_verdict *verdict,
                                const pl_after_horizon *after, json_t *sentences)
 {
-    json_t *item = json_pack(
-        "{s:o, s:s, s:f, s:f, s:o, s:b, s:o, s:o, s:O}", "name",
-        pl_json_text(test_case->name, strlen(test_case->name)), "scene_hash", test_case->scene_hash,
-        "dt", test_case->scene.dt, "duration", test_case->scene.duration, "runs",
-        pl_reference_runs_json(plan, test_case), "known", (int)reference->known, "reason",
-        reference->known ? json_null() : pl_json_text(reference->reason, strlen(reference->reason)),
-        "engines", engines_json(reference), "sentences", sentences);
+    json_t *item =
+        json_pack("{s:o, s:s, s:f, s:f, s:o, s:b, s:o, s:o, s:O}", "name",
+                  pl_json_text(test_case->name), "scene_hash", test_case->scene_hash, "dt",
+                  test_case->scene.dt, "duration", test_case->scene.duration, "runs",
+                  pl_reference_runs_json(plan, test_case), "known", (int)reference->known, "reason",
+                  reference->known ? json_null() : pl_json_text(reference->reason), "engines",
+                  engines_json(reference), "sentences", sentences);
     if (verdict == NULL) {
         return item;
     }

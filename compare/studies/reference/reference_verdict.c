@@ -117,7 +117,7 @@ void pl_reference_verdict_free(pl_reference_verdict *verdict)
 void pl_sentence_add(json_t *sentences, pl_text_buffer *text)
 {
     char *whole = pl_text_take(text);
-    json_array_append_new(sentences, pl_json_text(whole, strlen(whole)));
+    json_array_append_new(sentences, pl_json_text(whole));
     free(whole);
 }
 

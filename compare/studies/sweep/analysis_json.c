@@ -13,7 +13,7 @@ static json_t *number(double value)
 
 static json_t *text(const char *value)
 {
-    return pl_json_text(value, strlen(value));
+    return pl_json_text(value);
 }
 
 /* An index; null for none. */

@@ -27,7 +27,7 @@ json_t *pl_tuner_study(const pl_tune_def *def)
     json_t *scenarios = json_array(), *scenes = json_array(), *targets = json_array();
     for (int i = 0; i < def->plan->case_count; ++i) {
         const char *name = def->plan->cases[i].name;
-        json_array_append_new(scenarios, pl_json_text(name, strlen(name)));
+        json_array_append_new(scenarios, pl_json_text(name));
         json_array_append_new(scenes, json_string(def->plan->cases[i].scene_hash));
     }
     for (int i = 0; i < def->targets->count; ++i) {
@@ -38,10 +38,9 @@ json_t *pl_tuner_study(const pl_tune_def *def)
     char spec[PL_SPEC_SIZE];
     pl_tune_spec(&def->space->base, spec);
     return json_pack("{s:s, s:o, s:o, s:o, s:o, s:I, s:o, s:o, s:i}", "name", "tune", "engine",
-                     pl_json_text(spec, strlen(spec)), "dt", pl_json_number_or_null(def->space->dt),
-                     "scenarios", scenarios, "scenes", scenes, "seed", (json_int_t)def->plan->seed,
-                     "targets", targets, "parameters", parameters_json(def->space), "budget",
-                     def->budget);
+                     pl_json_text(spec), "dt", pl_json_number_or_null(def->space->dt), "scenarios",
+                     scenarios, "scenes", scenes, "seed", (json_int_t)def->plan->seed, "targets",
+                     targets, "parameters", parameters_json(def->space), "budget", def->budget);
 }
 
 bool pl_tuner_is_of(const json_t *study, const json_t *run)
@@ -151,7 +150,7 @@ static pl_setting setting_of(const pl_tuner *t, pl_subject subject)
 static void describe(json_t *study, const pl_setting *setting)
 {
     const char *spec = setting->choice.spec;
-    json_object_set_new(study, "spec", pl_json_text(spec, strlen(spec)));
+    json_object_set_new(study, "spec", pl_json_text(spec));
     json_object_set_new(study, "api", pl_tune_api(&setting->choice, setting->dt));
 }
 
