@@ -6,8 +6,7 @@
 #include <stdio.h>
 
 /* The machine as a JSON object: the processor's features and settings, the clock that times steps, load and
- * memory. What cannot be read is left out. A new reference. Takes about
- * 0.2 s. */
+ * memory. What cannot be read is left out. A new reference. It takes about 0.2 s. */
 json_t *pl_machine(void);
 
 /* Prints that object as a table, with the host of a provenance (pl_provenance). */

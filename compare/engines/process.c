@@ -391,6 +391,10 @@ void pl_process_describe_end(const pl_process *process, double timeout, const ch
         return;
     }
     pl_process_last_line(process, line);
+    if (strncmp(line, pl_out_of_memory_message, strlen(pl_out_of_memory_message) - 1) == 0) {
+        snprintf(text, size, "out of memory %s", where);
+        return;
+    }
     if (WIFSIGNALED(status)) {
         const char *name = sigabbrev_np(WTERMSIG(status));
         snprintf(how, sizeof how, "SIG%s%s", name == NULL ? "?" : name,

@@ -88,7 +88,7 @@ void pl_process_free(pl_process *process);
 void pl_process_last_line(const pl_process *process, char text[201]);
 
 /* How an ended process ended, for people: "SIGSEGV WHERE; last line: ...", "it called exit(1)
- * WHERE", or "no end within TIMEOUT s: killed WHERE". Control characters become '?'. */
+ * WHERE", "out of memory WHERE", or "no end within TIMEOUT s: killed WHERE". Control characters become '?'. */
 void pl_process_describe_end(const pl_process *process, double timeout, const char *where,
                              char *text, size_t size);
 

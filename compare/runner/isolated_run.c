@@ -1,7 +1,6 @@
 #include "isolated_run.h"
 
 #include "adapters/process/channel.h"
-#include "base/heap.h"
 #include "base/json_field.h"
 #include "results/run_verdict.h"
 
@@ -208,11 +207,6 @@ static json_t *missing_outcome(const pl_isolated_run *run)
     }
     pl_process_describe_end(&run->process, run->limits.timeout, where, outcome.reason,
                             sizeof outcome.reason);
-    char line[201];
-    pl_process_last_line(&run->process, line);
-    if (strncmp(line, pl_out_of_memory_message, strlen(pl_out_of_memory_message) - 1) == 0) {
-        snprintf(outcome.reason, sizeof outcome.reason, "out of memory %s", where);
-    }
     if (run->is_over_limit) {
         outcome.outcome = PL_OUTCOME_TIMEOUT;
         snprintf(outcome.reason, sizeof outcome.reason,
