@@ -10,7 +10,7 @@ typedef struct options {
     pl_texts checks;
 } options;
 
-/* What is run. */
+/* The runs to make. */
 typedef struct chosen_work {
     const pl_plan *plan;
     bool *chosen; /* of pl_checks */

@@ -23,7 +23,7 @@ def read(path):
 sys.exit(read(sys.argv[1]) != read(sys.argv[2]))
 END
 
-# breaks_off NAME KIB KIB OUTPUT ARGUMENT...: `plumb ARGUMENT...` breaks off where its results have so many KiB, and
+# breaks_off NAME KIB KIB OUTPUT ARGUMENT...: `plumb ARGUMENT...` breaks off where its results reach the first number of KiB, and
 # once more; then OUTPUT, which it writes, is the same as that of one that was not disturbed.
 breaks_off() {
     local name=$1 first=$2 second=$3 output=$4 actual=0 results

@@ -197,7 +197,7 @@ static void number_ensembles(conclusion *c)
     json_decref(configurations);
 }
 
-/* Takes the horizon from the conclusion before, where that has an ensemble of exactly these runs. */
+/* Takes the horizon from the conclusion before, if that has an ensemble of exactly these runs. */
 static void recall_horizon(const conclusion *c, const json_t *runs, pl_horizon *horizon)
 {
     size_t index;
