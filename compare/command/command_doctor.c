@@ -3,6 +3,7 @@
 #include "adapters/built_in.h"
 #include "base/folding.h"
 #include "base/json_field.h"
+#include "base/program_name.h"
 #include "base/table.h"
 #include "engines/registry.h"
 #include "machine.h"
@@ -137,7 +138,7 @@ static void print_tools(const json_t *tools)
 
 static void print_findings(const json_t *found)
 {
-    const json_t *plumb = json_object_get(found, "plumb");
+    const json_t *plumb = json_object_get(found, PL_PROGRAM);
     pl_print_line(stdout, "Plumb %s (%s)", pl_json_get_text(plumb, "version"),
                   pl_json_get_text(plumb, "git"));
     putchar('\n');

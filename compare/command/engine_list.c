@@ -4,6 +4,7 @@
 
 #include "adapters/process/hello.h"
 #include "base/json_field.h"
+#include "base/program_name.h"
 #include "report/page_data.h"
 
 #include <math.h>
@@ -234,7 +235,7 @@ static void print_tuned(const json_t *engine, const json_t *tuned, FILE *out)
     print_texts(json_object_get(tuned, "scenarios"), out);
     fprintf(out, "\n      %s; from %s, made %s\n",
             json_is_true(json_object_get(tuned, "validated")) ? "validated" : "not validated",
-            strcmp(from, "plumb") == 0 ? "Plumb" : from, pl_json_get_text(tuned, "made"));
+            strcmp(from, PL_PROGRAM) == 0 ? "Plumb" : from, pl_json_get_text(tuned, "made"));
     if (dt > 0) {
         fprintf(out, "      for --dt 1/%.6g\n", 1 / dt);
     }

@@ -3,6 +3,7 @@
 
 #include "base/folding.h"
 #include "base/heap.h"
+#include "base/program_name.h"
 #include "complete.h"
 
 #include <argp.h>
@@ -180,7 +181,7 @@ int pl_program(int argc, char **argv)
     }
     const bool is_option = strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--version") == 0;
     const pl_command *command =
-        find_command(is_option ? argv[1] + 2 : argv[1], "plumb", "; see plumb help");
+        find_command(is_option ? argv[1] + 2 : argv[1], PL_PROGRAM, "; see plumb help");
     if (command == NULL) {
         return PL_EXIT_USAGE;
     }

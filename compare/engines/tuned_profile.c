@@ -2,6 +2,7 @@
 
 #include "base/heap.h"
 #include "base/json_field.h"
+#include "base/program_name.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -115,7 +116,7 @@ static pl_status add_own(const pl_engine_info *engine, json_t *list, pl_error *e
     json_array_foreach(own, index, file)
     {
         if (status == PL_OK) {
-            status = add_profile(engine, "plumb", json_incref(file), list, error);
+            status = add_profile(engine, PL_PROGRAM, json_incref(file), list, error);
         }
     }
     json_decref(own);

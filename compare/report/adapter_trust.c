@@ -1,6 +1,7 @@
 #include "adapter_trust.h"
 
 #include "base/heap.h"
+#include "base/program_name.h"
 
 #include "results/result.h"
 
@@ -50,7 +51,7 @@ static void add_record(const json_t *record, trust *t, bool is_first)
         t->state = state;
         t->checks = (int)json_integer_value(json_object_get(record, "checks"));
         t->failed = (int)json_integer_value(json_object_get(record, "failed"));
-        t->plumb = pl_json_get_text(record, "plumb");
+        t->plumb = pl_json_get_text(record, PL_PROGRAM);
     }
 }
 

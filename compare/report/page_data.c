@@ -2,6 +2,7 @@
 
 #include "adapter_trust.h"
 #include "base/number_format.h"
+#include "base/program_name.h"
 #include "case_scene.h"
 #include "cell_verdict.h"
 #include "results/result.h"
@@ -61,7 +62,7 @@ static json_t *provenance_json(const pl_result_table *results)
     static const char *const facts[][3] = {
         {"Processor", "host", "cpu"},     {"System", "host", "os"},
         {"Compiler", "host", "compiler"}, {"Flags", "host", "flags"},
-        {"Plumb", "plumb", "version"},    {"Commit", "plumb", "git"}};
+        {"Plumb", PL_PROGRAM, "version"}, {"Commit", PL_PROGRAM, "git"}};
     json_t *object = json_object();
     const char *first = "", *last = "";
     for (size_t k = 0; k < sizeof facts / sizeof facts[0]; ++k) {

@@ -3,6 +3,7 @@
 #include "adapter_trust.h"
 #include "base/heap.h"
 #include "base/number_format.h"
+#include "base/program_name.h"
 #include "cell_verdict.h"
 #include "results/result.h"
 
@@ -102,9 +103,9 @@ static void add_markdown_head(const pl_result_table *results, pl_text_buffer *ou
                        results->configuration_count, plural(results->configuration_count));
         pl_text_add_markdown(out, pl_result_text(result, "host", "cpu"));
         pl_text_add(out, "; plumb ");
-        pl_text_add_markdown(out, pl_result_text(result, "plumb", "version"));
+        pl_text_add_markdown(out, pl_result_text(result, PL_PROGRAM, "version"));
         pl_text_add(out, " (");
-        pl_text_add_markdown(out, pl_result_text(result, "plumb", "git"));
+        pl_text_add_markdown(out, pl_result_text(result, PL_PROGRAM, "git"));
         pl_text_add(out, ")\n\n");
     }
 }

@@ -2,6 +2,7 @@
 
 #include "base/heap.h"
 #include "base/json_field.h"
+#include "base/program_name.h"
 #include "result.h"
 #include "store.h"
 
@@ -65,7 +66,7 @@ static json_t *record_of(const pl_engine_info *engine, const char *profile, int 
                      schema, "engine", engine->name, "engine_version", engine->version,
                      "engine_binary", engine->binary, "profile", profile, "outcome",
                      failed > 0 ? "failed" : "passed", "checks", checks, "failed", failed,
-                     "skipped", skipped, "plumb", "version", PLUMB_VERSION, "git", PLUMB_GIT,
+                     "skipped", skipped, PL_PROGRAM, "version", PLUMB_VERSION, "git", PLUMB_GIT,
                      "time", now);
 }
 
@@ -114,7 +115,7 @@ static bool is_record(const json_t *record, const pl_engine_info *engine, const 
            count_of(record, "failed", &failed) && count_of(record, "skipped", &skipped) &&
            checks > 0 && failed <= checks &&
            text_is(record, "outcome", failed > 0 ? "failed" : "passed") &&
-           pl_json_get_text(json_object_get(record, "plumb"), "version")[0] != '\0';
+           pl_json_get_text(json_object_get(record, PL_PROGRAM), "version")[0] != '\0';
 }
 
 json_t *pl_conformance_record_read(const pl_engine_info *engine, const char *profile)
@@ -144,7 +145,7 @@ pl_conformance pl_conformance_find(const pl_engine_info *engine, const char *pro
         count_of(record, "failed", &found.failed);
         found.passed = found.failed == 0;
         snprintf(found.plumb, sizeof found.plumb, "%s",
-                 pl_json_get_text(json_object_get(record, "plumb"), "version"));
+                 pl_json_get_text(json_object_get(record, PL_PROGRAM), "version"));
     }
     json_decref(record);
     return found;

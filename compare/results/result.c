@@ -5,6 +5,7 @@
 #include "base/hash.h"
 #include "base/heap.h"
 #include "base/json_write.h"
+#include "base/program_name.h"
 #include "base/thread_pool.h"
 
 #include <limits.h>
@@ -160,7 +161,7 @@ json_t *pl_conformance_to_json(const pl_conformance *conformance)
         return json_null();
     }
     return json_pack("{s:s, s:i, s:i, s:s}", "outcome", conformance->passed ? "passed" : "failed",
-                     "checks", conformance->checks, "failed", conformance->failed, "plumb",
+                     "checks", conformance->checks, "failed", conformance->failed, PL_PROGRAM,
                      conformance->plumb);
 }
 
@@ -408,7 +409,7 @@ json_t *pl_provenance(int argc, char *const *argv)
     for (int i = 0; i < argc; ++i) {
         json_array_append_new(command, pl_json_text(argv[i]));
     }
-    return json_pack("{s:o, s:{s:s, s:s}, s:o}", "host", host_json(), "plumb", "version",
+    return json_pack("{s:o, s:{s:s, s:s}, s:o}", "host", host_json(), PL_PROGRAM, "version",
                      PLUMB_VERSION, "git", PLUMB_GIT, "command", command);
 }
 

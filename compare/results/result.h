@@ -59,7 +59,7 @@ typedef struct pl_run_view {
     pl_conformance conformance; /* of the engine with the profile; no part of the identity */
 } pl_run_view;
 
-/* As in results: {"outcome", "checks", "failed", "plumb"}, or null where nothing is known. */
+/* As in results: {"outcome", "checks", "failed", PL_PROGRAM}, or null where nothing is known. */
 json_t *pl_conformance_to_json(const pl_conformance *conformance);
 
 /* The keys from `scenario` to `repeat`, `engine_spec`, `threads`, `as_shipped` and `conformance`, and `run`: the

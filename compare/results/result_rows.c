@@ -2,6 +2,7 @@
 #include "result_rows.h"
 
 #include "base/heap.h"
+#include "base/program_name.h"
 #include "plumb/scenario.h"
 
 #include <math.h>
@@ -41,7 +42,7 @@ static pl_result_row row_of(const json_t *result)
         .spec = pl_json_get_text(result, "engine_spec"),
         .version = pl_json_get_text(result, "engine_version"),
         .binary = pl_json_get_text(result, "engine_binary"),
-        .git = pl_result_text(result, "plumb", "git"),
+        .git = pl_result_text(result, PL_PROGRAM, "git"),
         .cpu = pl_result_text(result, "host", "cpu"),
         .started = pl_json_get_text(result, "started"),
         .reason = pl_json_get_text(result, "reason"),

@@ -3,6 +3,7 @@
 
 #include "base/hash.h"
 #include "base/heap.h"
+#include "base/program_name.h"
 #include "base/statistics.h"
 
 #include <math.h>
@@ -256,9 +257,9 @@ static bool has_several_builds(const pl_result_table *results)
     bool several = false;
     for (int i = 0; i < results->row_count && !several; ++i) {
         const pl_result_row *row = &results->rows[i], *first = results->rows;
-        const char *version = pl_result_text(row->result, "plumb", "version");
+        const char *version = pl_result_text(row->result, PL_PROGRAM, "version");
         several = strcmp(row->git, first->git) != 0 ||
-                  strcmp(version, pl_result_text(first->result, "plumb", "version")) != 0;
+                  strcmp(version, pl_result_text(first->result, PL_PROGRAM, "version")) != 0;
     }
     for (int i = 0; i < results->configuration_count && !several; ++i) {
         const pl_result_configuration *a = &results->configurations[i];
@@ -310,7 +311,7 @@ static uint64_t hash_of(const pl_result_row *row)
     json_t *series =
         json_pack("[o, o, o, o, o, o]", same(json, "engine"), same(json, "profile"),
                   same(json, "label"), without_dt(json, "settings"), same(json, "engine_version"),
-                  same(json_object_get(json, "plumb"), "git"));
+                  same(json_object_get(json, PL_PROGRAM), "git"));
     if (row->binary[0] != '\0') {
         json_array_append_new(series, json_string(row->binary));
     }

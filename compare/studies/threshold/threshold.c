@@ -3,6 +3,7 @@
 
 #include "base/folding.h"
 #include "base/heap.h"
+#include "base/program_name.h"
 #include "studies/bisection.h"
 
 #include <math.h>
@@ -252,7 +253,7 @@ static json_t *identity_of(const json_t *trial, const char *param)
         "scenario", "engine",         "engine_version", "engine_binary", "engine_spec",
         "profile",  "engine_runtime", "threads",        "as_shipped",    "label",
         "settings", "seed",           "primary_error",  "acceptance",    "conformance",
-        "host",     "plumb",          "command",        "started"};
+        "host",     PL_PROGRAM,       "command",        "started"};
     json_t *row = json_object();
     for (size_t i = 0; i < sizeof kept / sizeof kept[0]; ++i) {
         json_t *value = json_object_get(trial, kept[i]);

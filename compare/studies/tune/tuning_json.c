@@ -1,5 +1,6 @@
 /* The conclusion of a tuning, plumb.tuning/1, from its results; and plumb.profile/1. */
 #include "base/heap.h"
+#include "base/program_name.h"
 #include "tuner.h"
 
 #include <math.h>
@@ -249,7 +250,7 @@ static json_t *trials_json(const pl_tuner *t)
 static json_t *tuning_json(pl_tuner *t, const json_t *results)
 {
     static const char *const kept[] = {"engine", "engine_version", "profile",
-                                       "host",   "plumb",          "command"};
+                                       "host",   PL_PROGRAM,       "command"};
     static const char *const asked[] = {"scenarios", "targets", "seed", "budget"};
     const json_t *first = answer_row(t);
     json_t *json = json_pack(
@@ -297,7 +298,7 @@ json_t *pl_tune_profile(const json_t *conclusion)
 {
     static const char *const kept[] = {"engine",    "engine_version", "profile",
                                        "scenarios", "targets",        "validated",
-                                       "budget",    "command",        "plumb"};
+                                       "budget",    "command",        PL_PROGRAM};
     const json_t *setting = json_object_get(conclusion, "setting");
     char made[32];
     pl_timestamp(made);
