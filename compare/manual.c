@@ -1,4 +1,4 @@
-/* Prints the manual page plumb(1) in man(7)'s macros, from the tables of the commands:
+/* Prints the manual page plumb(1) in man(7)'s macros, from plumb.1.in and the tables of the commands:
  * plumb_manual > plumb.1. The environment variable SOURCE_DATE_EPOCH gives its date; without it the
  * page has none. */
 #include "command/command.h"
@@ -7,79 +7,8 @@
 #include <string.h>
 #include <time.h>
 
-/* A term and what it means. */
-typedef struct entry {
-    const char *term, *text;
-} entry;
-
-static const char NAME[] =
-    "measure how accurate rigid-body physics engines are, and what that accuracy costs";
-
-static const char DESCRIPTION[] =
-    "plumb runs canonical scenarios on rigid-body physics engines, and reports how far each engine "
-    "is from the right answer and at what cost. The right answer is a closed form, a conservation "
-    "law, a known resting place or a converged reference. Each run is a process of its own: a "
-    "crash, a hang or a number that is not finite becomes a row of the results.\n"
-    "\n"
-    "Data goes to standard output; messages and progress go to standard error. No command replaces "
-    "a file or results that exist unless --force is given.\n"
-    "\n"
-    "An engine is given as a SPEC: NAME[:PROFILE][,OPTION=VALUE...][,label=TEXT], where NAME is a "
-    "built-in engine, the path of a shared object, or exec: and the command of a program. plumb "
-    "list engines prints names, profiles and options. A scenario is a name that plumb list "
-    "scenarios prints; a scene file is a name with a slash, or one that ends in .json, or - for "
-    "standard input. --set NAME=VALUE sets a parameter of a scenario, or of a scene file that "
-    "defines it.";
-
-static const entry ENVIRONMENT[] = {
-    {"PLUMB_PROFILES",
-     "Files of profiles that plumb tune saved, separated by colons; as --profiles"},
-    {"PLUMB_ALLOW_FILES",
-     "Folders in which scenes may name files, separated by colons; as --allow-files"},
-    {"PLUMB_CACHE", "The folder of what plumb check-engine found, which reports and plumb doctor "
-                    "show"},
-    {"XDG_CACHE_HOME, HOME",
-     "Where PLUMB_CACHE is not set: the folder is plumb in XDG_CACHE_HOME, or else .cache/plumb in "
-     "HOME"},
-    {"XDG_DATA_HOME, HOME", "Engines from npm may be in plumb/web of XDG_DATA_HOME, or else of "
-                            ".local/share in HOME, where "
-                            "the script get-engines puts them"},
-    {"BROWSER", "The program that opens pages; by default xdg-open"},
-    {"CHROMIUM", "The Chromium that draws plumb report --figure; by default chromium"},
-    {"PATH", "Where node is looked up, which runs engines from npm"},
-    {"COLUMNS", "The width of what is printed, where standard output is no terminal"},
-    {"NO_COLOR", "If it is not empty, nothing is printed in colour"},
-    {"ARGP_HELP_FMT", "The format of --help; see argp in the manual of the GNU C library"},
-    {"GITHUB_STEP_SUMMARY", "The file to which plumb gate --format github appends its page"},
-    {"SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_COUNT, SLURM_ARRAY_TASK_MIN, SLURM_ARRAY_TASK_STEP",
-     "The shard of plumb sweep in a job array of Slurm; as --shard"},
-    {"OMPI_COMM_WORLD_RANK, OMPI_COMM_WORLD_SIZE, PMIX_RANK, PMIX_SIZE, PMI_RANK, PMI_SIZE",
-     "The shard of plumb sweep under an MPI launcher; as --shard"}};
-
-static const entry FILES[] = {
-    {"report/index.html", "The page of a comparison, in the default folder of --out"},
-    {"report/summary.md, report/runs.csv, report/results.csv",
-     "Its tables: in Markdown, with a row for each run, and with a row for each run and metric"},
-    {"report/results.jsonl", "Its results, a line each, which plumb report and plumb gate read"},
-    {"report/recordings/", "Poses, contacts and curves of its runs"},
-    {"STUDY/results.jsonl, STUDY/STUDY.json, STUDY/STUDY.md, STUDY/STUDY.html",
-     "The runs of a study, such as threshold, its conclusion, and its document"},
-    {"ENGINE.profile.json", "The settings that plumb tune found"},
-    {"~/.cache/plumb/", "What plumb check-engine found, for each binary and profile"}};
-
-static const entry EXAMPLES[] = {
-    {"plumb compare tower --engine plumb --engine ode --engine bullet",
-     "Compare three engines on a tower of cubes, and write a report"},
-    {"plumb view", "Open its page"},
-    {"plumb scene tower --set n=3 > mine.json", "Begin a scene of your own"},
-    {"plumb run ./mine.json --engine ode:quick,iterations=50", "Run it on one engine"},
-    {"plumb gate report --baseline baseline.json", "Fail where results are worse than a baseline"}};
-
-enum {
-    ENVIRONMENT_COUNT = sizeof ENVIRONMENT / sizeof ENVIRONMENT[0],
-    FILE_COUNT = sizeof FILES / sizeof FILES[0],
-    EXAMPLE_COUNT = sizeof EXAMPLES / sizeof EXAMPLES[0]
-};
+/* The page without what the tables have. A line "@PART" stands for a part below. */
+extern const char pl_plumb_1_in[];
 
 /* ---- Text ---- */
 
@@ -158,14 +87,6 @@ static void print_entry(const char *term, const char *text)
     putchar('\n');
     print_text(text);
     putchar('\n');
-}
-
-static void print_entries(const char *title, const entry *entries, int count)
-{
-    printf(".SH %s\n", title);
-    for (int i = 0; i < count; ++i) {
-        print_entry(entries[i].term, entries[i].text);
-    }
 }
 
 /* ---- Commands ---- */
@@ -259,20 +180,23 @@ static void print_command(const pl_command *command)
     print_paragraphs(command->notes);
 }
 
+/* ---- The page ---- */
+
 static void print_commands(void)
 {
     int count;
     const pl_command *const *commands = pl_commands(&count);
-    fputs(".SH COMMANDS\nAll commands have these options:\n", stdout);
-    for (const pl_option *option = pl_common_options; option->name != NULL; ++option) {
-        print_option(option, option->help);
-    }
     for (int i = 0; i < count; ++i) {
         print_command(commands[i]);
     }
 }
 
-/* ---- The page ---- */
+static void print_common_options(void)
+{
+    for (const pl_option *option = pl_common_options; option->name != NULL; ++option) {
+        print_option(option, option->help);
+    }
+}
 
 static void print_title(void)
 {
@@ -285,16 +209,13 @@ static void print_title(void)
             strftime(date, sizeof date, "%Y-%m-%d", &broken);
         }
     }
-    printf(".TH PLUMB 1 \"%s\" \"Plumb %s\" \"User Commands\"\n.nh\n.ad l\n", date, PLUMB_VERSION);
+    printf(".TH PLUMB 1 \"%s\" \"Plumb %s\" \"User Commands\"\n", date, PLUMB_VERSION);
 }
 
-static void print_description(void)
+static void print_command_list(void)
 {
     int count;
     const pl_command *const *commands = pl_commands(&count);
-    fputs(".SH DESCRIPTION\n", stdout);
-    print_lines(DESCRIPTION);
-    fputs(".PP\nThe commands are:\n", stdout);
     for (int i = 0; i < count; ++i) {
         print_entry(commands[i]->name, commands[i]->summary);
     }
@@ -304,38 +225,37 @@ static void print_exit_status(void)
 {
     int count;
     const pl_exit_meaning *meanings = pl_exit_meanings(&count);
-    fputs(".SH EXIT STATUS\n", stdout);
     for (int i = 0; i < count; ++i) {
         print_entry(meanings[i].code, meanings[i].meaning);
     }
 }
 
-static void print_examples(void)
+static void print_line(const char *line, int length)
 {
-    fputs(".SH EXAMPLES\n", stdout);
-    for (int i = 0; i < EXAMPLE_COUNT; ++i) {
-        fputs(i == 0 ? "" : ".PP\n", stdout);
-        print_text(EXAMPLES[i].text);
-        fputs(":\n.PP\n.RS 4\n.nf\n", stdout);
-        print_text(EXAMPLES[i].term);
-        fputs("\n.fi\n.RE\n", stdout);
+    static const struct {
+        const char *name;
+        void (*print)(void);
+    } parts[] = {{"@title", print_title},
+                 {"@list", print_command_list},
+                 {"@common", print_common_options},
+                 {"@commands", print_commands},
+                 {"@exit", print_exit_status}};
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
+        if (strlen(parts[i].name) == (size_t)length &&
+            strncmp(parts[i].name, line, (size_t)length) == 0) {
+            parts[i].print();
+            return;
+        }
     }
+    printf("%.*s\n", length, line);
 }
 
 int main(void)
 {
-    print_title();
-    fputs(".SH NAME\nplumb \\- ", stdout);
-    print_text(NAME);
-    fputs("\n.SH SYNOPSIS\n\\fBplumb\\fR \\fICOMMAND\\fR [\\fIOPTION\\fR...]\n.br\n"
-          "\\fBplumb help\\fR [\\fICOMMAND\\fR]\n",
-          stdout);
-    print_description();
-    print_commands();
-    print_exit_status();
-    print_entries("ENVIRONMENT", ENVIRONMENT, ENVIRONMENT_COUNT);
-    print_entries("FILES", FILES, FILE_COUNT);
-    print_examples();
-    fputs(".SH SEE ALSO\n.BR taskset (1),\n.BR parallel (1),\n.BR mpirun (1)\n", stdout);
+    for (const char *line = pl_plumb_1_in; *line != '\0';) {
+        const size_t length = strcspn(line, "\n");
+        print_line(line, (int)length);
+        line += length + (line[length] == '\n');
+    }
     return fflush(stdout) == 0 ? PL_EXIT_OK : PL_EXIT_FAILED;
 }

@@ -1,4 +1,4 @@
-#include "clock_noise.h"
+#include "machine.h"
 
 #include "base/statistics.h"
 #include "engines/process.h"
@@ -40,9 +40,10 @@ static int find_rounds(pl_call_timer *timer, double empty)
     return (int)fmax(1, rounds * STEP / fmax(least, STEP));
 }
 
-pl_clock_noise pl_clock_noise_measure(void)
+json_t *pl_clock_noise(void)
 {
     double times[REPEATS];
+    int repeats = 0;
     struct timespec resolution = {.tv_nsec = 0};
     pl_call_timer timer = pl_call_timer_open();
     const double begin = pl_monotonic_seconds();
@@ -50,19 +51,19 @@ pl_clock_noise pl_clock_noise_measure(void)
     for (int i = 0; i < EMPTY_REPEATS; ++i) {
         times[i] = time_work(&timer, 0);
     }
-    pl_clock_noise noise = {.resolution =
-                                (double)resolution.tv_sec + 1e-9 * (double)resolution.tv_nsec,
-                            .empty = pl_median(times, EMPTY_REPEATS)};
-    const int rounds = find_rounds(&timer, noise.empty);
-    while (noise.repeats < REPEATS && pl_monotonic_seconds() - begin < LONGEST) {
-        times[noise.repeats++] = time_work(&timer, rounds);
+    const double empty = pl_median(times, EMPTY_REPEATS);
+    const int rounds = find_rounds(&timer, empty);
+    while (repeats < REPEATS && pl_monotonic_seconds() - begin < LONGEST) {
+        times[repeats++] = time_work(&timer, rounds);
     }
     pl_call_timer_close(&timer);
-    noise.step = pl_median(times, noise.repeats);
-    noise.slow = pl_quantile(times, noise.repeats, 0.99) / noise.step;
-    for (int i = 0; i < noise.repeats; ++i) {
-        times[i] = fabs(times[i] - noise.step);
+    const double step = pl_median(times, repeats);
+    const double slow = pl_quantile(times, repeats, 0.99) / step;
+    for (int i = 0; i < repeats; ++i) {
+        times[i] = fabs(times[i] - step);
     }
-    noise.spread = pl_median(times, noise.repeats) / noise.step;
-    return noise;
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:i}", "resolution",
+                     (double)resolution.tv_sec + 1e-9 * (double)resolution.tv_nsec, "empty", empty,
+                     "step", step, "spread", pl_median(times, repeats) / step, "slow", slow,
+                     "repeats", repeats);
 }

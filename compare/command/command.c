@@ -174,6 +174,27 @@ static long parse_integer(const pl_option *option, const char *text, struct argp
     return value;
 }
 
+/* The place of the word among the values of an option. */
+static int parse_choice(const pl_option *option, const char *text, struct argp_state *state)
+{
+    char words[256] = "", quoted[PL_QUOTED_SIZE];
+    size_t length = 0;
+    int index = 0;
+    for (const char *word = option->values; *word != '\0'; ++index) {
+        const size_t size = strcspn(word, "|");
+        if (strlen(text) == size && strncmp(text, word, size) == 0) {
+            return index;
+        }
+        const char *next = word + size + (word[size] == '|');
+        const char *between = index == 0 ? "" : *next == '\0' ? " or " : ", ";
+        length += (size_t)snprintf(words + length, sizeof words - length, "%s%.*s", between,
+                                   (int)size, word);
+        word = next;
+    }
+    argp_error(state, "--%s takes %s; found %s", option->name, words, pl_quoted(text, quoted));
+    return 0;
+}
+
 static void set_option(const pl_option *option, void *options, const char *text,
                        struct argp_state *state)
 {
@@ -197,6 +218,9 @@ static void set_option(const pl_option *option, void *options, const char *text,
         break;
     case PL_OPTION_LARGE:
         *(uint64_t *)field = (uint64_t)parse_integer(option, text, state);
+        break;
+    case PL_OPTION_CHOICE:
+        *(int *)field = parse_choice(option, text, state);
         break;
     case PL_OPTION_PARSED:
         if (option->parse(options, text, &error) != PL_OK) {
@@ -292,6 +316,13 @@ int pl_call_fail(const pl_call *call, const pl_error *error)
     return error->status == PL_BAD_INPUT ? PL_EXIT_USAGE : PL_EXIT_FAILED;
 }
 
+void pl_call_check(const pl_call *call, pl_status status, const pl_error *error)
+{
+    if (status != PL_OK) {
+        exit(pl_call_fail(call, error));
+    }
+}
+
 int pl_call_nothing(const pl_call *call, const char *why)
 {
     pl_print_line(stderr, "%s: %s", call->argv[0], why);
@@ -320,6 +351,12 @@ int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, 
     }
     pl_store_close(store);
     return pl_call_end(call, status, error, signal_number, code);
+}
+
+void pl_call_print_json(const json_t *value)
+{
+    json_dumpf(value, stdout, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
+    putchar('\n');
 }
 
 json_t *pl_call_provenance(const pl_call *call)

@@ -38,6 +38,7 @@ typedef enum pl_option_kind {
     PL_OPTION_NUMBER,  /* sets a double, also given as a fraction */
     PL_OPTION_INTEGER, /* sets an int */
     PL_OPTION_LARGE,   /* sets a uint64_t from an integer */
+    PL_OPTION_CHOICE,  /* sets an int to the place of the word among `values`, from 0 */
     PL_OPTION_PARSED,  /* calls `parse` */
     PL_OPTION_HELP     /* no option: the command's own help of a shared option of this name */
 } pl_option_kind;
@@ -108,6 +109,9 @@ void pl_call_parse(const pl_call *call, void *options);
 /* Reports an error, and returns its exit code. */
 int pl_call_fail(const pl_call *call, const pl_error *error);
 
+/* Ends the program with an error that is reported, unless the status is PL_OK. */
+void pl_call_check(const pl_call *call, pl_status status, const pl_error *error);
+
 /* Reports that there is nothing to do, and why. Returns PL_EXIT_NOTHING. */
 int pl_call_nothing(const pl_call *call, const char *why);
 
@@ -120,6 +124,9 @@ int pl_call_end(const pl_call *call, pl_status status, const pl_error *error, in
  * not come to its end says how to go on. */
 int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, pl_status status,
                       const pl_error *error, int signal_number, int code);
+
+/* Prints a value on standard output. */
+void pl_call_print_json(const json_t *value);
 
 /* The provenance of results of this call (pl_provenance), a new reference. */
 json_t *pl_call_provenance(const pl_call *call);

@@ -42,34 +42,31 @@ static void describe_conformance(const pl_engine_info *engine, char *text, size_
     }
 }
 
-/* What is known of an engine, added to the array. */
-static pl_status add_engine(const pl_built_in *built_in, json_t *list, bool *faulty,
-                            pl_error *error)
+/* Adds what is known of an engine to the array. */
+static void add_engine(const pl_call *call, const pl_built_in *built_in, json_t *list, bool *faulty)
 {
     char text[PL_NAME_SIZE + 64];
     const pl_engine_info *engine = NULL;
+    pl_error error = {.message = ""};
     if (!pl_built_in_is_present(built_in)) {
         char how[PL_HOW_TO_GET];
         pl_built_in_how_to_get(built_in, how, sizeof how);
         json_array_append_new(
             list, json_pack("{s:s, s:b, s:s}", "name", built_in->name, "present", 0, "get", how));
-        return PL_OK;
+        return;
     }
-    const pl_status status = pl_engine_of_build(built_in, &engine, error);
-    if (status != PL_OK) {
-        return status;
+    pl_call_check(call, pl_engine_of_build(built_in, &engine, &error), &error);
+    json_t *item = json_pack("{s:s, s:b, s:s}", "name", built_in->name, "present", 1, "runtime",
+                             pl_engine_runtime(engine));
+    json_array_append_new(list, item);
+    if (engine->fault.is_fault) {
+        *faulty = true;
+        json_object_set_new(item, "fault", pl_json_text(engine->fault.reason));
+    } else {
+        describe_conformance(engine, text, sizeof text);
+        json_object_set_new(item, "version", json_string(engine->version));
+        json_object_set_new(item, "conformance", json_string(text));
     }
-    const char *fault = engine->fault.reason;
-    *faulty = *faulty || engine->fault.is_fault;
-    describe_conformance(engine, text, sizeof text);
-    json_array_append_new(list, engine->fault.is_fault
-                                    ? json_pack("{s:s, s:b, s:s, s:o}", "name", built_in->name,
-                                                "present", 1, "runtime", pl_engine_runtime(engine),
-                                                "fault", pl_json_text(fault))
-                                    : json_pack("{s:s, s:b, s:s, s:s, s:s}", "name", built_in->name,
-                                                "present", 1, "runtime", pl_engine_runtime(engine),
-                                                "version", engine->version, "conformance", text));
-    return PL_OK;
 }
 
 /* Programs that some commands call. */
@@ -95,42 +92,39 @@ static json_t *list_tools(void)
     return list;
 }
 
-static void print_engines(const json_t *engines)
+static void add_engine_row(pl_table *table, const json_t *engine)
 {
-    pl_table table = {0};
-    size_t index;
-    const json_t *engine;
-    pl_table_columns(&table, "engine|version|runs as|conformance, or how to get it");
-    json_array_foreach(engines, index, engine)
-    {
-        const bool is_present = json_is_true(json_object_get(engine, "present"));
-        const bool has_fault = json_object_get(engine, "fault") != NULL;
-        pl_table_add(&table, pl_json_get_text(engine, "name"));
-        pl_table_add(&table, !is_present ? "absent"
-                             : has_fault ? "fault"
-                                         : pl_json_get_text(engine, "version"));
-        pl_table_add(&table, pl_json_get_text(engine, "runtime"));
-        pl_table_add(&table, pl_json_get_text(engine, !is_present ? "get"
-                                                      : has_fault ? "fault"
-                                                                  : "conformance"));
-    }
-    pl_table_print(&table, stdout);
-    pl_table_free(&table);
+    const bool is_present = json_is_true(json_object_get(engine, "present"));
+    const bool has_fault = json_object_get(engine, "fault") != NULL;
+    pl_table_add(table, pl_json_get_text(engine, "name"));
+    pl_table_add(table, !is_present ? "absent"
+                        : has_fault ? "fault"
+                                    : pl_json_get_text(engine, "version"));
+    pl_table_add(table, pl_json_get_text(engine, "runtime"));
+    pl_table_add(table, pl_json_get_text(engine, !is_present ? "get"
+                                                 : has_fault ? "fault"
+                                                             : "conformance"));
 }
 
-static void print_tools(const json_t *tools)
+static void add_tool_row(pl_table *table, const json_t *tool)
+{
+    const bool is_present = json_is_true(json_object_get(tool, "present"));
+    pl_table_add(table, pl_json_get_text(tool, "name"));
+    pl_table_add(table, pl_json_get_text(tool, "use"));
+    pl_table_format_cell(table, "%s%s", is_present ? "" : "absent: ",
+                         pl_json_get_text(tool, is_present ? "program" : "get"));
+}
+
+static void print_list(const json_t *list, const char *columns,
+                       void (*add_row)(pl_table *table, const json_t *item))
 {
     pl_table table = {0};
     size_t index;
-    const json_t *tool;
-    pl_table_columns(&table, "tool|needed for|found, or how to get it");
-    json_array_foreach(tools, index, tool)
+    const json_t *item;
+    pl_table_columns(&table, columns);
+    json_array_foreach(list, index, item)
     {
-        const bool is_present = json_is_true(json_object_get(tool, "present"));
-        pl_table_add(&table, pl_json_get_text(tool, "name"));
-        pl_table_add(&table, pl_json_get_text(tool, "use"));
-        pl_table_format_cell(&table, "%s%s", is_present ? "" : "absent: ",
-                             pl_json_get_text(tool, is_present ? "program" : "get"));
+        add_row(&table, item);
     }
     pl_table_print(&table, stdout);
     pl_table_free(&table);
@@ -142,41 +136,37 @@ static void print_findings(const json_t *found)
     pl_print_line(stdout, "Plumb %s (%s)", pl_json_get_text(plumb, "version"),
                   pl_json_get_text(plumb, "git"));
     putchar('\n');
-    print_engines(json_object_get(found, "engines"));
+    print_list(json_object_get(found, "engines"),
+               "engine|version|runs as|conformance, or how to get it", add_engine_row);
     putchar('\n');
     pl_machine_print(json_object_get(found, "host"), json_object_get(found, "machine"), stdout);
     putchar('\n');
-    print_tools(json_object_get(found, "tools"));
+    print_list(json_object_get(found, "tools"), "tool|needed for|found, or how to get it",
+               add_tool_row);
 }
 
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
-    pl_error error = {.message = ""};
     int count;
     bool faulty = false;
     const pl_built_in *known = pl_built_in_engines(&count);
     pl_call_parse(call, &o);
     pl_request_free(&o.request);
     json_t *engines = json_array(), *found = pl_call_provenance(call);
-    pl_status status = PL_OK;
-    for (int i = 0; i < count && status == PL_OK; ++i) {
-        status = add_engine(&known[i], engines, &faulty, &error);
+    for (int i = 0; i < count; ++i) {
+        add_engine(call, &known[i], engines, &faulty);
     }
-    if (status == PL_OK) {
-        json_object_set(found, "engines", engines);
-        json_object_set_new(found, "machine", pl_machine());
-        json_object_set_new(found, "tools", list_tools());
-    }
-    if (status == PL_OK && o.json) {
-        json_dumpf(found, stdout, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
-        putchar('\n');
-    } else if (status == PL_OK) {
+    json_object_set_new(found, "engines", engines);
+    json_object_set_new(found, "machine", pl_machine());
+    json_object_set_new(found, "tools", list_tools());
+    if (o.json) {
+        pl_call_print_json(found);
+    } else {
         print_findings(found);
     }
-    json_decref(engines);
     json_decref(found);
-    return pl_call_end(call, status, &error, 0, faulty ? PL_EXIT_FAILED : PL_EXIT_OK);
+    return faulty ? PL_EXIT_FAILED : PL_EXIT_OK;
 }
 
 static const pl_option OPTIONS[] = {{"json", NULL, "Print a JSON object with all that was found",

@@ -1,10 +1,7 @@
 /* plumb gate: results against a baseline and against rules; the exit code is the verdict. */
 #include "base/folding.h"
 #include "base/heap.h"
-#include "gate/baseline.h"
-#include "gate/gather.h"
-#include "gate/judge.h"
-#include "gate/ratio.h"
+#include "gate/gate.h"
 #include "request.h"
 #include "results/store.h"
 
@@ -18,26 +15,13 @@ typedef struct options {
     const char *baseline, *reference;
     bool update;
     pl_gate_tolerances tolerances;
-    pl_gate_format format;
+    int format; /* pl_gate_format */
 } options;
 
 static pl_status parse_tolerance(void *user, const char *text, pl_error *error)
 {
     options *o = user;
     return pl_gate_tolerances_parse(text, &o->tolerances, error);
-}
-
-static pl_status parse_format(void *user, const char *text, pl_error *error)
-{
-    options *o = user;
-    for (int i = 0; i < PL_GATE_FORMAT_COUNT; ++i) {
-        if (strcmp(text, pl_gate_format_names[i]) == 0) {
-            o->format = (pl_gate_format)i;
-            return PL_OK;
-        }
-    }
-    return pl_fail(error, PL_BAD_INPUT, "--format takes text, junit, github or json; found \"%s\"",
-                   text);
 }
 
 static pl_status check(void *user, pl_error *error)
@@ -56,8 +40,9 @@ static pl_status check(void *user, pl_error *error)
 
 /* What was read and made; all is freed at the end. */
 typedef struct material {
+    const pl_call *call;
+    const options *o;
     pl_result_file *files;
-    int file_count;
     pl_result_table results;
     pl_gate_rows before, now;
     pl_gate_rule *rules;
@@ -66,93 +51,89 @@ typedef struct material {
 
 static void free_material(material *m)
 {
-    pl_gate_verdict_free(&m->verdict);
+    free(m->verdict.items);
     pl_gate_rows_free(&m->before);
     pl_gate_rows_free(&m->now);
     pl_result_table_free(&m->results);
-    for (int i = 0; i < m->file_count; ++i) {
+    for (int i = 0; i < m->o->request.names.count; ++i) {
         json_decref((json_t *)m->files[i].results);
     }
     free(m->files);
     free(m->rules);
 }
 
-static pl_status read_rules(const options *o, material *m, pl_error *error)
+static void read_rules(material *m)
 {
-    pl_status status = PL_OK;
-    m->rules = pl_heap_new((size_t)o->rules.count, sizeof *m->rules);
-    for (int i = 0; i < o->rules.count && status == PL_OK; ++i) {
+    const pl_texts *texts = &m->o->rules;
+    pl_error error = {.message = ""};
+    m->rules = pl_heap_new((size_t)texts->count, sizeof *m->rules);
+    for (int i = 0; i < texts->count; ++i) {
         pl_gate_rule *rule = &m->rules[i];
-        status = pl_gate_rule_parse(o->rules.items[i], rule, error);
-        if (status == PL_OK && rule->is_relative && o->baseline == NULL) {
-            status = pl_fail(error, PL_BAD_INPUT,
-                             "--fail-if \"%.120s\": column %d: a relative rule needs --baseline",
-                             rule->text, rule->value_column);
+        pl_call_check(m->call, pl_gate_rule_parse(texts->items[i], rule, &error), &error);
+        if (rule->is_relative && m->o->baseline == NULL) {
+            pl_fail(&error, PL_BAD_INPUT,
+                    "--fail-if \"%.120s\": column %d: a relative rule needs --baseline", rule->text,
+                    rule->value_column);
+            pl_call_check(m->call, PL_BAD_INPUT, &error);
         }
     }
-    return status;
 }
 
-static pl_status check_reference(const options *o, const pl_gate_rows *rows, pl_error *error)
+static void check_reference(const material *m)
 {
-    if (o->reference == NULL) {
-        return PL_OK;
+    const pl_gate_rows *rows = &m->now;
+    const char *reference = m->o->reference;
+    if (reference == NULL || rows->count == 0) {
+        return;
     }
     const char **labels = pl_heap_new((size_t)rows->count, sizeof *labels);
     bool found = false;
     for (int i = 0; i < rows->count; ++i) {
         labels[i] = rows->items[i].label;
-        found |= strcmp(labels[i], o->reference) == 0;
+        found |= strcmp(labels[i], reference) == 0;
     }
-    char hint[PL_SUGGESTION_SIZE];
-    pl_status status =
-        found ? PL_OK
-              : pl_fail(error, PL_BAD_INPUT,
-                        "--reference %.100s: the results have no run of that engine%s",
-                        o->reference, pl_did_you_mean(o->reference, labels, rows->count, hint));
+    if (!found) {
+        char hint[PL_SUGGESTION_SIZE];
+        pl_error error = {.message = ""};
+        pl_fail(&error, PL_BAD_INPUT,
+                "--reference %.100s: the results have no run of that engine%s", reference,
+                pl_did_you_mean(reference, labels, rows->count, hint));
+        pl_call_check(m->call, PL_BAD_INPUT, &error);
+    }
     free(labels);
-    return status;
 }
 
-static pl_status read_all(const options *o, material *m, pl_error *error)
+static void read_all(material *m)
 {
-    pl_status status = read_rules(o, m, error);
-    m->files = pl_heap_new((size_t)o->request.names.count, sizeof *m->files);
-    for (int i = 0; i < o->request.names.count && status == PL_OK; ++i) {
+    const options *o = m->o;
+    pl_error error = {.message = ""};
+    const int count = o->request.names.count;
+    read_rules(m);
+    m->files = pl_heap_new((size_t)count, sizeof *m->files);
+    for (int i = 0; i < count; ++i) {
         json_t *results = NULL;
-        status = pl_gate_read(o->request.names.items[i], &results, error);
-        m->files[m->file_count++] =
-            (pl_result_file){.path = o->request.names.items[i], .results = results};
+        m->files[i].path = o->request.names.items[i];
+        pl_call_check(m->call, pl_gate_read(m->files[i].path, &results, &error), &error);
+        m->files[i].results = results;
     }
-    if (status == PL_OK) {
-        const pl_result_table_def def = {.files = m->files, .file_count = m->file_count};
-        status = pl_result_table_build(&def, &m->results, error);
+    const pl_result_table_def def = {.files = m->files, .file_count = count};
+    pl_call_check(m->call, pl_result_table_build(&def, &m->results, &error), &error);
+    pl_result_table_print_left_out(&m->results, stderr);
+    pl_gate_gather(&m->results, &o->tolerances, &m->now);
+    check_reference(m);
+    if (!o->update && o->baseline != NULL) {
+        pl_call_check(m->call, pl_gate_baseline_read(o->baseline, &m->before, &error), &error);
     }
-    if (status == PL_OK) {
-        pl_result_table_print_left_out(&m->results, stderr);
-        pl_gate_gather(&m->results, &o->tolerances, &m->now);
-    }
-    if (status == PL_OK && m->now.count > 0) {
-        status = check_reference(o, &m->now, error);
-    }
-    if (status == PL_OK && !o->update && o->baseline != NULL) {
-        status = pl_gate_baseline_read(o->baseline, &m->before, error);
-    }
-    if (status == PL_OK) {
-        pl_gate_rows_disambiguate(&m->now, &m->before);
-    }
-    return status;
+    pl_gate_rows_disambiguate(&m->now, &m->before);
 }
 
-static pl_status update(const options *o, material *m, pl_error *error)
+static void update(material *m)
 {
-    pl_gate_ratios_add(&m->now, o->reference);
-    pl_status status = pl_gate_baseline_write(o->baseline, &m->now, error);
-    if (status == PL_OK) {
-        pl_print_line(stderr, "%d row%s written to %s", m->now.count, m->now.count == 1 ? "" : "s",
-                      o->baseline);
-    }
-    return status;
+    pl_error error = {.message = ""};
+    pl_gate_ratios_add(&m->now, m->o->reference);
+    pl_call_check(m->call, pl_gate_baseline_write(m->o->baseline, &m->now, &error), &error);
+    pl_print_line(stderr, "%d row%s written to %s", m->now.count, m->now.count == 1 ? "" : "s",
+                  m->o->baseline);
 }
 
 /* The page of a GitHub job: other steps of it write the same file. */
@@ -168,11 +149,11 @@ static pl_status append_page(const pl_gate_verdict *verdict, const char *path, p
     return written ? PL_OK : pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
 }
 
-static pl_status write_format(pl_gate_format format, const pl_gate_verdict *verdict,
-                              const char *path, pl_error *error)
+static pl_status write_format(int format, const pl_gate_verdict *verdict, const char *path,
+                              pl_error *error)
 {
     pl_text_buffer buffer = {0};
-    pl_gate_write(format, verdict, &buffer);
+    pl_gate_write((pl_gate_format)format, verdict, &buffer);
     if (format != PL_GATE_TEXT || !pl_is_stdout(path) || !pl_window_is_known(stdout)) {
         return pl_write_buffer(path, &buffer, error);
     }
@@ -183,28 +164,32 @@ static pl_status write_format(pl_gate_format format, const pl_gate_verdict *verd
     return PL_OK;
 }
 
-static pl_status deliver(const options *o, const pl_gate_verdict *verdict, pl_error *error)
+static void deliver(const material *m)
 {
+    const options *o = m->o;
     const char *out = o->request.out;
-    bool to_file = out != NULL && !pl_is_stdout(out);
+    const bool to_file = out != NULL && !pl_is_stdout(out);
     const char *page = getenv("GITHUB_STEP_SUMMARY");
-    pl_status status = write_format(o->format, verdict, to_file ? out : "-", error);
+    pl_error error = {.message = ""};
+    pl_status status = write_format(o->format, &m->verdict, to_file ? out : "-", &error);
     if (status == PL_OK && to_file) {
-        status = write_format(PL_GATE_TEXT, verdict, "-", error);
+        status = write_format(PL_GATE_TEXT, &m->verdict, "-", &error);
     }
     if (status == PL_OK && o->format == PL_GATE_GITHUB && page != NULL && page[0] != '\0') {
-        status = append_page(verdict, page, error);
+        status = append_page(&m->verdict, page, &error);
     }
     if (!to_file && (o->format == PL_GATE_JUNIT || o->format == PL_GATE_JSON)) {
         char summary[256];
-        pl_gate_verdict_summary(verdict, summary, sizeof summary);
+        pl_gate_verdict_summary(&m->verdict, summary, sizeof summary);
         pl_print_line(stderr, "%s", summary);
     }
-    return status;
+    pl_call_check(m->call, status, &error);
 }
 
-static pl_status judge(const options *o, material *m, pl_error *error)
+/* Returns the exit code. */
+static int judge(material *m)
 {
+    const options *o = m->o;
     const pl_gate_inputs in = {.before = o->baseline == NULL ? NULL : &m->before,
                                .now = &m->now,
                                .tolerances = &o->tolerances,
@@ -212,17 +197,7 @@ static pl_status judge(const options *o, material *m, pl_error *error)
                                .rule_count = o->rules.count,
                                .reference = o->reference};
     pl_gate_judge(&in, &m->verdict);
-    return deliver(o, &m->verdict, error);
-}
-
-static int exit_code(const pl_call *call, const options *o, const material *m)
-{
-    if (m->now.count == 0) {
-        return pl_call_nothing(call, "the results are empty");
-    }
-    if (o->update) {
-        return PL_EXIT_OK;
-    }
+    deliver(m);
     return m->verdict.failures > 0       ? PL_EXIT_GATE
            : m->verdict.comparisons == 0 ? PL_EXIT_NOTHING
                                          : PL_EXIT_OK;
@@ -230,18 +205,20 @@ static int exit_code(const pl_call *call, const options *o, const material *m)
 
 static int run(const pl_call *call)
 {
-    material m = {.files = NULL};
+    int code = PL_EXIT_OK;
     pl_error error = {.message = ""};
     options o = {.request = pl_request_default(), .tolerances = pl_gate_tolerances_default()};
+    material m = {.call = call, .o = &o};
     pl_call_parse(call, &o);
-    pl_status status = pl_request_outputs(&o.request, o.request.out, &error);
-    if (status == PL_OK) {
-        status = read_all(&o, &m, &error);
+    pl_call_check(call, pl_request_outputs(&o.request, o.request.out, &error), &error);
+    read_all(&m);
+    if (m.now.count == 0) {
+        code = pl_call_nothing(call, "the results are empty");
+    } else if (o.update) {
+        update(&m);
+    } else {
+        code = judge(&m);
     }
-    if (status == PL_OK && m.now.count > 0) {
-        status = o.update ? update(&o, &m, &error) : judge(&o, &m, &error);
-    }
-    int code = status == PL_OK ? exit_code(call, &o, &m) : pl_call_fail(call, &error);
     free_material(&m);
     free(o.rules.items);
     pl_request_free(&o.request);
@@ -273,8 +250,8 @@ static const pl_option OPTIONS[] = {
      "Label of the reference engine (default: the baseline's; with --update-baseline "
      "bullet:si, or else ode:quick)",
      PL_OPTION_TEXT, .field = offsetof(options, reference)},
-    {"format", "FORMAT", "text (default), junit, github or json", PL_OPTION_PARSED,
-     .parse = parse_format, .values = "text|junit|github|json"},
+    {"format", "FORMAT", "text (default), junit, github or json", PL_OPTION_CHOICE,
+     .field = offsetof(options, format), .values = "text|junit|github|json"},
     {"out", "FILE", "Write the output in that format to FILE, and text to standard output",
      PL_OPTION_TEXT, .field = offsetof(options, request.out)},
     {0}};

@@ -1,6 +1,7 @@
 /* plumb list scenarios|engines|metrics|suites. Each kind is built as one JSON array, which is
  * printed as it is or as text. */
 #include "base/folding.h"
+#include "base/json_get.h"
 #include "engine_list.h"
 #include "plumb/scenario.h"
 #include "report/report.h"
@@ -8,7 +9,6 @@
 #include "results/result.h"
 #include "results/store.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static json_t *list_params(const pl_scenario *scenario)
@@ -28,12 +28,24 @@ static json_t *list_params(const pl_scenario *scenario)
 static json_t *threshold_of(const pl_scenario *scenario)
 {
     const pl_threshold *t = scenario->threshold;
-    if (t == NULL) {
-        return NULL;
+    return t == NULL
+               ? NULL
+               : json_pack("{s:s, s:f, s:f, s:s, s:f, s:s*}", "param", t->param, "low", t->low,
+                           "high", t->high, "holds", t->holds_below ? "below" : "above",
+                           "tolerance", t->tolerance, "formula", t->formula);
+}
+
+/* The bits of the scenario's needs, as words. */
+static json_t *needs_of(const pl_scenario *scenario)
+{
+    const uint32_t needed = pl_scenario_needs(scenario);
+    json_t *needs = json_array();
+    for (uint32_t bit = 1; bit != 0; bit <<= 1) {
+        if ((needed & bit) != 0) {
+            json_array_append_new(needs, json_string(pl_needs_name(bit)));
+        }
     }
-    return json_pack("{s:s, s:f, s:f, s:s, s:f, s:s*}", "param", t->param, "low", t->low, "high",
-                     t->high, "holds", t->holds_below ? "below" : "above", "tolerance",
-                     t->tolerance, "formula", t->formula);
+    return needs;
 }
 
 static json_t *acceptance_of(const pl_scenario *scenario)
@@ -50,13 +62,6 @@ static json_t *list_scenarios(void)
     json_t *list = json_array();
     for (int i = 0; i < count; ++i) {
         const pl_scenario *s = scenarios[i];
-        const uint32_t needed = pl_scenario_needs(s);
-        json_t *needs = json_array();
-        for (uint32_t bit = 1; bit != 0; bit <<= 1) {
-            if ((needed & bit) != 0) {
-                json_array_append_new(needs, json_string(pl_needs_name(bit)));
-            }
-        }
         json_array_append_new(
             list,
             json_pack(
@@ -65,19 +70,9 @@ static json_t *list_scenarios(void)
                 s->reference, "expected", s->expected, "source", s->source, "validity", s->validity,
                 "provokes", s->provokes, "symptom", s->symptom, "threads", s->threads, "threshold",
                 threshold_of(s), "primary_error", s->primary_error, "acceptance", acceptance_of(s),
-                "needs", needs, "params", list_params(s)));
+                "needs", needs_of(s), "params", list_params(s)));
     }
     return list;
-}
-
-static bool may_be_primary(const char *metric)
-{
-    int count;
-    const char *const *names = pl_primary_errors(&count);
-    while (count > 0 && strcmp(names[count - 1], metric) != 0) {
-        --count;
-    }
-    return count > 0;
 }
 
 /* The properties of a metric, as words. */
@@ -91,13 +86,17 @@ static json_t *properties_of(int id)
                  {PL_TRAIT_IMPULSES, "impulses"}, {PL_TRAIT_STATIC_IMPULSES, "static impulses"}};
     const pl_metric_info *info = &pl_metric_table[id];
     json_t *list = json_array();
+    int primary_count;
+    const char *const *primary = pl_primary_errors(&primary_count);
     for (size_t i = 0; i < sizeof words / sizeof *words; ++i) {
         if (pl_metric_is(id, words[i].trait)) {
             json_array_append_new(list, json_string(words[i].word));
         }
     }
-    if (may_be_primary(info->name)) {
-        json_array_append_new(list, json_string("primary"));
+    for (int i = 0; i < primary_count; ++i) {
+        if (strcmp(primary[i], info->name) == 0) {
+            json_array_append_new(list, json_string("primary"));
+        }
     }
     if (info->more[0] != NULL) {
         json_array_append_new(list, json_string("ensemble"));
@@ -145,31 +144,20 @@ static json_t *list_suites(void)
     return list;
 }
 
-static void print_settings(const json_t *settings, FILE *out)
-{
-    size_t index;
-    const json_t *s;
-    json_array_foreach(settings, index, s)
-    {
-        fprintf(out, "    %-20s  %s (%s; default %g, %g to %g)\n", pl_json_get_text(s, "name"),
-                pl_json_get_text(s, "help"), pl_json_get_text(s, "unit"),
-                json_number_value(json_object_get(s, "default")),
-                json_number_value(json_object_get(s, "min")),
-                json_number_value(json_object_get(s, "max")));
-    }
-}
-
 static void print_scenario(const json_t *item, FILE *out)
 {
-    const json_t *acceptance = json_object_get(item, "acceptance");
-    fprintf(out, "%-18s  %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "title"));
-    fprintf(out, "    judged by %s\n", pl_json_get_text(item, "primary_error"));
+    size_t index;
+    const json_t *param, *acceptance = json_object_get(item, "acceptance");
     const char *unit = pl_json_get_text(acceptance, "unit");
     const bool has_unit = strcmp(unit, "1") != 0;
-    fprintf(out, "    accurate up to %g%s%s (%s)\n",
-            json_number_value(json_object_get(acceptance, "bound")), has_unit ? " " : "",
-            has_unit ? unit : "", pl_json_get_text(acceptance, "reason"));
-    print_settings(json_object_get(item, "params"), out);
+    fprintf(out, "%-18s  %s\n    judged by %s\n    accurate up to %g%s%s (%s)\n",
+            pl_json_get_text(item, "name"), pl_json_get_text(item, "title"),
+            pl_json_get_text(item, "primary_error"), pl_json_get_number(acceptance, "bound"),
+            has_unit ? " " : "", has_unit ? unit : "", pl_json_get_text(acceptance, "reason"));
+    json_array_foreach(json_object_get(item, "params"), index, param)
+    {
+        pl_list_print_number(param, "", out);
+    }
 }
 
 static void print_metric(const json_t *item, FILE *out)
@@ -181,10 +169,10 @@ static void print_metric(const json_t *item, FILE *out)
 
 static void print_suite(const json_t *item, FILE *out)
 {
-    fprintf(out, "%-12s  %s\n   ", pl_json_get_text(item, "name"),
-            pl_json_get_text(item, "description"));
     size_t index;
     const json_t *name;
+    fprintf(out, "%-12s  %s\n   ", pl_json_get_text(item, "name"),
+            pl_json_get_text(item, "description"));
     json_array_foreach(json_object_get(item, "scenarios"), index, name)
     {
         fprintf(out, " %s", json_string_value(name));
@@ -194,7 +182,7 @@ static void print_suite(const json_t *item, FILE *out)
 
 typedef struct kind {
     const char *name;
-    json_t *(*list)(void); /* NULL: engines, which can fail */
+    json_t *(*list)(void); /* NULL: engines */
     void (*print)(const json_t *item, FILE *out);
 } kind;
 
@@ -238,72 +226,52 @@ static pl_status check(void *user, pl_error *error)
                : PL_OK;
 }
 
-static pl_status write_page(const char *path, pl_error *error)
+static void write_page(const pl_call *call, const options *o)
 {
     pl_text_buffer out = {0};
-    const pl_status status = pl_catalogue_page(&out, error);
-    if (status == PL_OK) {
-        return pl_write_buffer(path, &out, error);
-    }
-    pl_text_free(&out);
-    return status;
+    pl_error error = {.message = ""};
+    pl_call_check(call, pl_request_outputs(&o->request, o->page, &error), &error);
+    pl_call_check(call, pl_catalogue_page(&out, &error), &error);
+    pl_call_check(call, pl_write_buffer(o->page, &out, &error), &error);
 }
 
-/* Whether an engine of the list could not be asked. */
-static bool has_fault(const json_t *list)
+/* Returns whether an engine of the list could not be asked. */
+static bool print_list(const json_t *list, const options *o)
 {
+    bool has_fault = false;
     size_t index;
     const json_t *item;
+    pl_folding folding;
+    if (o->json) {
+        pl_call_print_json(list);
+    }
+    FILE *out = pl_folding_begin(&folding, stdout);
     json_array_foreach(list, index, item)
     {
-        if (json_object_get(item, "fault") != NULL) {
-            return true;
+        has_fault |= json_object_get(item, "fault") != NULL;
+        if (!o->json) {
+            o->kind->print(item, out);
         }
     }
-    return false;
+    pl_folding_end(&folding);
+    return has_fault;
 }
 
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
-    pl_error error = {.message = ""};
+    bool has_fault = false;
     pl_call_parse(call, &o);
     if (o.page != NULL) {
-        pl_status written = pl_request_outputs(&o.request, o.page, &error);
-        if (written == PL_OK) {
-            written = write_page(o.page, &error);
-        }
-        pl_request_free(&o.request);
-        return pl_call_end(call, written, &error, 0, PL_EXIT_OK);
-    }
-    json_t *list = o.kind->list == NULL ? NULL : o.kind->list();
-    pl_status status = PL_OK;
-    if (list == NULL) {
-        status =
-            pl_engine_list(o.request.names.items + 1, o.request.names.count - 1, &list, &error);
+        write_page(call, &o);
+    } else {
+        json_t *list =
+            o.kind->list == NULL ? pl_engine_list(call, &o.request.names) : o.kind->list();
+        has_fault = print_list(list, &o);
+        json_decref(list);
     }
     pl_request_free(&o.request);
-    if (status != PL_OK) {
-        json_decref(list);
-        return pl_call_end(call, status, &error, 0, PL_EXIT_OK);
-    }
-    if (o.json) {
-        json_dumpf(list, stdout, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
-        putchar('\n');
-    } else {
-        size_t index;
-        const json_t *item;
-        pl_folding folding;
-        FILE *out = pl_folding_begin(&folding, stdout);
-        json_array_foreach(list, index, item)
-        {
-            o.kind->print(item, out);
-        }
-        pl_folding_end(&folding);
-    }
-    const int code = has_fault(list) ? PL_EXIT_FAILED : PL_EXIT_OK;
-    json_decref(list);
-    return code;
+    return has_fault ? PL_EXIT_FAILED : PL_EXIT_OK;
 }
 
 static const pl_option OPTIONS[] = {

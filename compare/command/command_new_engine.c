@@ -7,8 +7,8 @@
 #include "base/text_buffer.h"
 #include "results/store.h"
 
-#include <dirent.h>
 #include <errno.h>
+#include <ftw.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -50,20 +50,26 @@ static const file PROCESS_FILES[] = {
     {"README.md", pl_process_README_md},
 };
 
-static const char *const FOLDERS[] = {"include", "include/plumb"};
-
-/* What a folder is made of. */
+/* What a folder is made of, and what is said about it before and after its path. */
 typedef struct engine_template {
     const file *files; /* (file_count) */
     int file_count;
-    const char *const *folders; /* (folder_count), each after the one that it is in */
-    int folder_count;
+    const char *before, *after;
 } engine_template;
 
-static const engine_template ADAPTER = {FILES, sizeof FILES / sizeof *FILES, FOLDERS,
-                                        sizeof FOLDERS / sizeof *FOLDERS};
-static const engine_template PROCESS = {PROCESS_FILES, sizeof PROCESS_FILES / sizeof *PROCESS_FILES,
-                                        NULL, 0};
+static const engine_template ADAPTER = {
+    FILES, sizeof FILES / sizeof *FILES,
+    "my_engine: engine.c is the adapter to change, and sphere_world.c a toy engine in the place of "
+    "yours. Next:\n\n  cd ",
+    " && make\n"
+    "  plumb check-engine ./my_engine.so\n"
+    "  plumb compare roll-slope bounce --engine ./my_engine.so --engine plumb\n"};
+static const engine_template PROCESS = {
+    PROCESS_FILES, sizeof PROCESS_FILES / sizeof *PROCESS_FILES,
+    "my_engine: engine.py and engine.mjs are the same toy engine in two languages. Keep one, and "
+    "put yours in its place. Next:\n\n  cd ",
+    "\n  plumb check-engine 'exec:python3 engine.py'\n"
+    "  plumb compare cradle collision-train --engine 'exec:python3 engine.py' --engine plumb\n"};
 
 /* What stands for the engine's name in those texts. */
 static const char PLACEHOLDER[] = "my_engine";
@@ -120,79 +126,63 @@ static pl_status check(void *user, pl_error *error)
     return PL_OK;
 }
 
-/* PL_BAD_INPUT unless there is nothing at `path`, or an empty folder. */
 static pl_status check_target(const char *path, pl_error *error)
 {
-    struct stat found;
     const char *slash = strrchr(path, '/');
     const char *base = slash == NULL ? path : slash + 1;
-    if (strcmp(base, "") == 0 || strcmp(base, ".") == 0 || strcmp(base, "..") == 0) {
-        return pl_fail(error, PL_BAD_INPUT, "expected the name of a new folder, found \"%s\"",
-                       path);
-    }
-    if (lstat(path, &found) != 0) {
-        return PL_OK;
-    }
-    if (!S_ISDIR(found.st_mode)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s exists, and is not a folder", path);
-    }
-    DIR *folder = opendir(path);
-    if (folder == NULL) {
-        return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
-    }
-    int entries = 0;
-    while (readdir(folder) != NULL) {
-        ++entries;
-    }
-    closedir(folder);
-    /* "." and ".." are entries too. */
-    return entries <= 2 ? PL_OK : pl_fail(error, PL_BAD_INPUT, "%s exists, and is not empty", path);
+    return strcmp(base, "") == 0 || strcmp(base, ".") == 0 || strcmp(base, "..") == 0
+               ? pl_fail(error, PL_BAD_INPUT, "expected the name of a new folder, found \"%s\"",
+                         path)
+               : PL_OK;
 }
 
-/* Writes a file with the engine's name in the place of the placeholder. */
+/* Adds text with the engine's name in the place of the placeholder. */
+static void add_named(pl_text_buffer *out, const char *text, const char *name)
+{
+    const char *rest = text;
+    for (const char *at = strstr(rest, PLACEHOLDER); at != NULL; at = strstr(rest, PLACEHOLDER)) {
+        pl_text_add_bytes(out, rest, (size_t)(at - rest));
+        pl_text_add(out, name);
+        rest = at + strlen(PLACEHOLDER);
+    }
+    pl_text_add(out, rest);
+}
+
 static pl_status write_file(const char *folder, const file *from, const char *name, pl_error *error)
 {
     pl_text_buffer out = {0};
-    const char *rest = from->text;
-    for (const char *at = strstr(rest, PLACEHOLDER); at != NULL; at = strstr(rest, PLACEHOLDER)) {
-        pl_text_add_bytes(&out, rest, (size_t)(at - rest));
-        pl_text_add(&out, name);
-        rest = at + strlen(PLACEHOLDER);
-    }
-    pl_text_add(&out, rest);
     char *path = pl_heap_format("%s/%s", folder, from->path);
-    const pl_status status = pl_write_buffer(path, &out, error);
+    char *end = strrchr(path, '/');
+    *end = '\0';
+    pl_status status = pl_make_directories(path, error);
+    *end = '/';
+    if (status == PL_OK) {
+        add_named(&out, from->text, name);
+        status = pl_write_buffer(path, &out, error);
+    }
     free(path);
     return status;
 }
 
-static pl_status fill(const engine_template *of, const char *folder, const char *name,
-                      pl_error *error)
+static int remove_one(const char *path, const struct stat *found, int kind, struct FTW *place)
 {
-    pl_status status = PL_OK;
-    for (int i = 0; i < of->folder_count && status == PL_OK; ++i) {
-        char *path = pl_heap_format("%s/%s", folder, of->folders[i]);
-        status = pl_make_directories(path, error);
-        free(path);
-    }
-    for (int i = 0; i < of->file_count && status == PL_OK; ++i) {
-        status = write_file(folder, &of->files[i], name, error);
-    }
-    return status;
+    (void)found;
+    (void)kind;
+    (void)place;
+    return remove(path);
 }
 
-/* Removes what fill wrote, as far as it came. */
-static void clear(const engine_template *of, const char *folder)
+/* Gives the folder its name, which can be that of an empty one. */
+static pl_status put_in_place(const char *temporary, const char *path, pl_error *error)
 {
-    for (int i = 0; i < of->file_count + of->folder_count; ++i) {
-        const int after = i - of->file_count;
-        char *path = pl_heap_format("%s/%s", folder,
-                                    after < 0 ? of->files[i].path
-                                              : of->folders[of->folder_count - 1 - after]);
-        remove(path);
-        free(path);
+    if (rename(temporary, path) == 0) {
+        return PL_OK;
     }
-    remove(folder);
+    const bool is_full = errno == ENOTEMPTY || errno == EEXIST;
+    return is_full || errno == ENOTDIR
+               ? pl_fail(error, PL_BAD_INPUT, "%s exists, and is not %s", path,
+                         is_full ? "empty" : "a folder")
+               : pl_fail(error, PL_IO, "cannot make %s: %s", path, strerror(errno));
 }
 
 /* Makes the folder under another name first, so that it is there whole or not at all. */
@@ -200,53 +190,20 @@ static pl_status make(const engine_template *of, const char *path, const char *n
                       pl_error *error)
 {
     char *temporary = pl_heap_format("%s.%ld.tmp", path, (long)getpid());
-    pl_status status = PL_OK;
-    if (mkdir(temporary, 0777) != 0) {
-        status = pl_fail(error, PL_IO, "cannot make %s: %s", path, strerror(errno));
-    } else {
-        status = fill(of, temporary, name, error);
-        if (status == PL_OK && rename(temporary, path) != 0) {
-            status = pl_fail(error, PL_IO, "cannot make %s: %s", path, strerror(errno));
-        }
-        if (status != PL_OK) {
-            clear(of, temporary);
-        }
+    const bool is_made = mkdir(temporary, 0777) == 0;
+    pl_status status =
+        is_made ? PL_OK : pl_fail(error, PL_IO, "cannot make %s: %s", path, strerror(errno));
+    for (int i = 0; i < of->file_count && status == PL_OK; ++i) {
+        status = write_file(temporary, &of->files[i], name, error);
+    }
+    if (status == PL_OK) {
+        status = put_in_place(temporary, path, error);
+    }
+    if (is_made && status != PL_OK) {
+        nftw(temporary, remove_one, 8, FTW_DEPTH | FTW_PHYS);
     }
     free(temporary);
     return status;
-}
-
-static void print_word(const char *text)
-{
-    pl_text_buffer word = {0};
-    pl_text_add_shell(&word, text);
-    pl_text_print(&word, stdout);
-}
-
-static void print_next_of_process(const char *path, const char *name)
-{
-    printf(
-        "%s: engine.py and engine.mjs are the same toy engine in two languages. Keep one, and put "
-        "yours in its place. Next:\n\n  cd ",
-        name);
-    print_word(path);
-    printf("\n  plumb check-engine 'exec:python3 engine.py'\n"
-           "  plumb compare cradle collision-train --engine 'exec:python3 engine.py' --engine "
-           "plumb\n");
-}
-
-static void print_next(const char *path, const char *name)
-{
-    printf("%s: engine.c is the adapter to change, and sphere_world.c a toy engine in the place of "
-           "yours. Next:\n"
-           "\n"
-           "  cd ",
-           name);
-    print_word(path);
-    printf(" && make\n"
-           "  plumb check-engine ./%s.so\n"
-           "  plumb compare roll-slope bounce --engine ./%s.so --engine plumb\n",
-           name, name);
 }
 
 static int run(const pl_call *call)
@@ -256,24 +213,23 @@ static int run(const pl_call *call)
     pl_call_parse(call, &o);
     char folder_name[PL_NAME_SIZE];
     const char *name = o.name != NULL ? o.name : folder_name;
+    const engine_template *of = o.process ? &PROCESS : &ADAPTER;
     char *path = pl_heap_copy(o.request.names.items[0]);
     for (size_t n = strlen(path); n > 1 && path[n - 1] == '/'; --n) {
         path[n - 1] = '\0';
     }
-    pl_status status = check_target(path, &error);
-    if (status == PL_OK) {
-        name_after(path, folder_name);
-        status = check_not_built_in(name, &error);
-    }
-    if (status == PL_OK) {
-        status = make(o.process ? &PROCESS : &ADAPTER, path, name, &error);
-    }
-    if (status == PL_OK) {
-        (o.process ? print_next_of_process : print_next)(path, name);
-    }
+    pl_call_check(call, check_target(path, &error), &error);
+    name_after(path, folder_name);
+    pl_call_check(call, check_not_built_in(name, &error), &error);
+    pl_call_check(call, make(of, path, name, &error), &error);
+    pl_text_buffer next = {0};
+    add_named(&next, of->before, name);
+    pl_text_add_shell(&next, path);
+    add_named(&next, of->after, name);
+    pl_text_print(&next, stdout);
     free(path);
     pl_request_free(&o.request);
-    return pl_call_end(call, status, &error, 0, PL_EXIT_OK);
+    return PL_EXIT_OK;
 }
 
 static const pl_option OPTIONS[] = {

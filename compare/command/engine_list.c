@@ -4,10 +4,11 @@
 
 #include "adapters/process/hello.h"
 #include "base/json_field.h"
+#include "base/json_get.h"
 #include "base/program_name.h"
+#include "engines/registry.h"
 #include "report/page_data.h"
 
-#include <math.h>
 #include <string.h>
 
 /* ---- JSON ---- */
@@ -67,96 +68,95 @@ static json_t *list_options(const pl_engine_info *engine)
     return list;
 }
 
-/* What each word means in a built-in engine; NULL where that is not known. */
-static json_t *words_of(const pl_engine_info *engine)
-{
-    json_t *known = engine->built_in == NULL ? NULL : pl_engine_words();
-    json_t *words = json_incref(json_object_get(known, engine->name));
-    json_decref(known);
-    return words;
-}
-
-/* What is known of an engine, added to its item. Of one that could not be asked, the fault. */
-static pl_status describe_engine(json_t *item, const pl_engine_info *e, pl_error *error)
+/* Adds what is known of an engine to its item. Of one that could not be asked, the fault. */
+static void describe_engine(const pl_call *call, json_t *item, const pl_engine_info *e)
 {
     json_t *tuned = NULL;
+    pl_error error = {.message = ""};
     if (e->fault.is_fault) {
         json_object_set_new(item, "fault", pl_json_text(e->fault.reason));
-        return PL_OK;
+        return;
     }
-    pl_status status = pl_tuned_profiles(e, &tuned, error);
-    if (status != PL_OK) {
-        return status;
-    }
-    json_t *known =
-        json_pack("{s:s, s:s, s:s, s:s, s:s, s:o, s:s, s:i, s:o, s:o, s:o, s:o*}", "version",
-                  e->version, "description", e->description, "runtime", pl_engine_runtime(e),
-                  "precision", pl_hello_precision(e->precision), "integrator",
-                  pl_hello_integrator(e->integrator), "contacts", pl_hello_contacts(e->contacts),
-                  "binary", e->binary, "substeps", e->substeps, "profiles", list_profiles(e),
-                  "tuned", tuned, "options", list_options(e), "words", words_of(e));
+    pl_call_check(call, pl_tuned_profiles(e, &tuned, &error), &error);
+    json_t *words = e->built_in == NULL ? NULL : pl_engine_words();
+    json_t *known = json_pack("{s:s, s:s, s:s, s:s, s:s, s:o, s:s, s:i, s:o, s:o, s:o, s:O*}",
+                              "version", e->version, "description", e->description, "runtime",
+                              pl_engine_runtime(e), "precision", pl_hello_precision(e->precision),
+                              "integrator", pl_hello_integrator(e->integrator), "contacts",
+                              pl_hello_contacts(e->contacts), "binary", e->binary, "substeps",
+                              e->substeps, "profiles", list_profiles(e), "tuned", tuned, "options",
+                              list_options(e), "words", json_object_get(words, e->name));
     json_object_update(item, known);
+    json_decref(words);
     json_decref(known);
-    return PL_OK;
 }
 
-pl_status pl_engine_list(const char *const *asked, int asked_count, json_t **list, pl_error *error)
+static void add_built_in(const pl_call *call, const pl_built_in *built_in, json_t *list)
+{
+    const bool is_present = pl_built_in_is_present(built_in);
+    const pl_engine_info *engine = NULL;
+    pl_error error = {.message = ""};
+    json_t *item = json_pack("{s:s, s:s, s:b}", "name", built_in->name, "package",
+                             built_in->package, "present", is_present);
+    json_array_append_new(list, item);
+    if (is_present) {
+        pl_call_check(call, pl_engine_of_build(built_in, &engine, &error), &error);
+        describe_engine(call, item, engine);
+    } else {
+        char how[PL_HOW_TO_GET];
+        pl_built_in_how_to_get(built_in, how, sizeof how);
+        json_object_set_new(item, "get", json_string(how));
+    }
+}
+
+json_t *pl_engine_list(const pl_call *call, const pl_texts *names)
 {
     int count;
     const pl_built_in *engines = pl_built_in_engines(&count);
-    pl_status status = PL_OK;
-    *list = json_array();
-    for (int i = 0; asked_count == 0 && i < count && status == PL_OK; ++i) {
-        const pl_engine_info *e = NULL;
-        json_t *item =
-            json_pack("{s:s, s:s, s:b}", "name", engines[i].name, "package", engines[i].package,
-                      "present", pl_built_in_is_present(&engines[i]));
-        json_array_append_new(*list, item);
-        if (pl_built_in_is_present(&engines[i])) {
-            status = pl_engine_of_build(&engines[i], &e, error);
-        } else {
-            char how[PL_HOW_TO_GET];
-            pl_built_in_how_to_get(&engines[i], how, sizeof how);
-            json_object_set_new(item, "get", json_string(how));
-        }
-        if (e != NULL) {
-            status = describe_engine(item, e, error);
-        }
+    json_t *list = json_array();
+    for (int i = 0; names->count == 1 && i < count; ++i) {
+        add_built_in(call, &engines[i], list);
     }
-    for (int i = 0; i < asked_count && status == PL_OK; ++i) {
+    for (int i = 1; i < names->count; ++i) {
         pl_engine_choice choice;
-        status = pl_engine_choose(asked[i], &choice, error);
-        if (status == PL_OK) {
-            json_t *item = json_pack("{s:s, s:b}", "name", choice.engine->name, "present", true);
-            json_array_append_new(*list, item);
-            status = describe_engine(item, choice.engine, error);
-        }
+        pl_error error = {.message = ""};
+        pl_call_check(call, pl_engine_choose(names->items[i], &choice, &error), &error);
+        json_t *item = json_pack("{s:s, s:b}", "name", choice.engine->name, "present", true);
+        json_array_append_new(list, item);
+        describe_engine(call, item, choice.engine);
     }
-    return status;
+    return list;
 }
 
 /* ---- Text ---- */
 
+/* Prints texts of an array, with commas between them. */
+static void print_texts(const json_t *texts, FILE *out)
+{
+    size_t index;
+    const json_t *item;
+    json_array_foreach(texts, index, item)
+    {
+        fprintf(out, "%s%s", index == 0 ? "" : ", ", json_string_value(item));
+    }
+}
+
 /* Precision, sub-steps, integrator and what contacts report, on a line. */
 static void print_nature(const json_t *item, FILE *out)
 {
-    const int substeps = (int)json_integer_value(json_object_get(item, "substeps"));
+    const int substeps = (int)pl_json_get_number(item, "substeps");
     const char *runtime = pl_json_get_text(item, "runtime");
+    const json_t *contacts = json_object_get(item, "contacts");
     if (strcmp(runtime, "native") != 0) {
         fprintf(out, "  runs in %s: its times are not ranked with those of native engines\n",
                 runtime);
     }
-    fprintf(out, "  %s precision, %d %s a step, integrator %s, contacts ",
+    fprintf(out, "  %s precision, %d %s a step, integrator %s, contacts %s",
             pl_json_get_text(item, "precision"), substeps, substeps == 1 ? "sub-step" : "sub-steps",
-            pl_json_get_text(item, "integrator"));
-    const json_t *contacts = json_object_get(item, "contacts");
-    size_t index;
-    const json_t *name;
-    json_array_foreach(contacts, index, name)
-    {
-        fprintf(out, "%s%s", index == 0 ? "with " : ", ", json_string_value(name));
-    }
-    fprintf(out, "%s\n", json_array_size(contacts) == 0 ? "not reported" : "");
+            pl_json_get_text(item, "integrator"),
+            json_array_size(contacts) == 0 ? "not reported" : "with ");
+    print_texts(contacts, out);
+    fputc('\n', out);
 }
 
 /* The text of the source of an option; NULL: none. */
@@ -209,17 +209,6 @@ static void print_profile(const json_t *engine, json_t *p, FILE *out)
     }
 }
 
-/* Texts of an array, with commas between them. */
-static void print_texts(const json_t *texts, FILE *out)
-{
-    size_t index;
-    const json_t *item;
-    json_array_foreach(texts, index, item)
-    {
-        fprintf(out, "%s%s", index == 0 ? "" : ", ", json_string_value(item));
-    }
-}
-
 /* A tuned profile: what it is for, where it is from, and how its options differ from those of the
  * profile that it changes. */
 static void print_tuned(const json_t *engine, const json_t *tuned, FILE *out)
@@ -228,7 +217,7 @@ static void print_tuned(const json_t *engine, const json_t *tuned, FILE *out)
     const json_t *option;
     const char *name = pl_json_get_text(engine, "name"), *base = pl_json_get_text(tuned, "profile");
     const char *from = pl_json_get_text(tuned, "from");
-    const double dt = json_number_value(json_object_get(tuned, "dt"));
+    const double dt = pl_json_get_number(tuned, "dt");
     fprintf(out, "  %s:%-*s  ", name, 19 - (int)strlen(name), pl_json_get_text(tuned, "name"));
     print_texts(json_object_get(tuned, "targets"), out);
     fprintf(out, " on ");
@@ -251,30 +240,31 @@ static void print_tuned(const json_t *engine, const json_t *tuned, FILE *out)
         const json_t *value = json_object_get(json_object_get(tuned, "options"), key);
         const json_t *other = json_object_get(json_object_get(profile, "changed"), key);
         const double before =
-            json_number_value(other != NULL ? other : json_object_get(option, "default"));
+            other != NULL ? json_number_value(other) : pl_json_get_number(option, "default");
         if (value != NULL && json_number_value(value) != before) {
             print_value(key, json_number_value(value), NULL, out);
         }
     }
 }
 
+void pl_list_print_number(const json_t *item, const char *more, FILE *out)
+{
+    char text[1024];
+    snprintf(text, sizeof text, "%s (%s; default %g, %g to %g%s)", pl_json_get_text(item, "help"),
+             pl_json_get_text(item, "unit"), pl_json_get_number(item, "default"),
+             pl_json_get_number(item, "min"), pl_json_get_number(item, "max"), more);
+    fprintf(out, "    %-20s  %s\n", pl_json_get_text(item, "name"), text);
+}
+
 static void print_option(const json_t *o, FILE *out)
 {
-    char setting[PL_NAME_SIZE];
     char range[128] = "";
     const json_t *tune = json_object_get(o, "tune");
     if (tune != NULL) {
-        snprintf(range, sizeof range, "; tuned from %g to %g",
-                 json_number_value(json_object_get(tune, "min")),
-                 json_number_value(json_object_get(tune, "max")));
+        snprintf(range, sizeof range, "; tuned from %g to %g", pl_json_get_number(tune, "min"),
+                 pl_json_get_number(tune, "max"));
     }
-    char text[1024];
-    snprintf(text, sizeof text, "%s (%s; default %g, %g to %g%s)", pl_json_get_text(o, "help"),
-             pl_json_get_text(o, "unit"), json_number_value(json_object_get(o, "default")),
-             json_number_value(json_object_get(o, "min")),
-             json_number_value(json_object_get(o, "max")), range);
-    snprintf(setting, sizeof setting, "%s", pl_json_get_text(o, "name"));
-    fprintf(out, "    %-20s  %s\n", setting, text);
+    pl_list_print_number(o, range, out);
 }
 
 void pl_engine_list_print(const json_t *item, FILE *out)

@@ -2,18 +2,17 @@
 #ifndef PLUMB_ENGINE_LIST_H
 #define PLUMB_ENGINE_LIST_H
 
-#include "engines/registry.h"
+#include "command.h"
 
-#include <jansson.h>
-#include <stdio.h>
-
-/* An array of the engines of this build, or of those of the SPECs in `asked` (count), which the
- * caller releases, also after a failure. An engine that could not be asked has the key "fault".
- * Failures are those of pl_engine_choose and pl_tuned_profiles. */
-pl_status pl_engine_list(const char *const *asked, int count, json_t **list, pl_error *error);
+/* An array of the engines of this build, or of those of the SPECs after the first of `names`: a new reference. An
+ * engine that could not be asked has the key "fault". Ends the program where a SPEC or a file of profiles is wrong. */
+json_t *pl_engine_list(const pl_call *call, const pl_texts *names);
 
 /* Prints an item of that array: what the engine is, its profiles with the values that differ from
  * the first one's and where they come from, its tuned profiles, and its options. */
 void pl_engine_list_print(const json_t *item, FILE *out);
+
+/* Prints a parameter of a scenario or an option of an engine: its help, unit, default and range, and `more`. */
+void pl_list_print_number(const json_t *item, const char *more, FILE *out);
 
 #endif

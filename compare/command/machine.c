@@ -2,7 +2,6 @@
 
 #include "base/json_field.h"
 #include "base/table.h"
-#include "clock_noise.h"
 #include "plumb/engine.h"
 
 #include <math.h>
@@ -13,18 +12,32 @@
 
 static const double GIB = 0x1p30;
 
-/* The number of a file that has nothing else; NAN where it cannot be read or has a word, such as "max". */
-static double read_number(const char *path)
+enum { TEXT_SIZE = 16384 };
+
+/* Reads the beginning of a file; "" where it cannot be read. */
+static const char *read_text(const char *path, char text[TEXT_SIZE])
 {
-    double number = NAN;
     FILE *file = fopen(path, "re");
-    if (file == NULL || fscanf(file, "%lf", &number) != 1) {
-        number = NAN;
-    }
+    const size_t length = file == NULL ? 0 : fread(text, 1, TEXT_SIZE - 1, file);
+    text[length] = '\0';
     if (file != NULL) {
         fclose(file);
     }
-    return number;
+    return text;
+}
+
+/* The number that a text begins with, after blanks; NAN where there is none, such as in "max". */
+static double leading_number(const char *text)
+{
+    char *end;
+    const double number = strtod(text, &end);
+    return end == text ? (double)NAN : number;
+}
+
+static double read_number(const char *path)
+{
+    char text[TEXT_SIZE];
+    return leading_number(read_text(path, text));
 }
 
 static json_t *number_or_null(double number)
@@ -51,13 +64,10 @@ static json_t *list_features(void)
 /* How the first CPU chooses its frequency; NULL: that cannot be read. */
 static json_t *governor(void)
 {
-    char word[64] = "";
-    FILE *file = fopen("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "re");
-    const bool is_read = file != NULL && fscanf(file, "%63s", word) == 1;
-    if (file != NULL) {
-        fclose(file);
-    }
-    return is_read ? pl_json_text(word) : NULL;
+    char text[TEXT_SIZE];
+    read_text("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", text);
+    text[strcspn(text, " \n")] = '\0';
+    return text[0] == '\0' ? NULL : pl_json_text(text);
 }
 
 /* Whether the processor may exceed its nominal frequency; NULL: that cannot be read. */
@@ -74,18 +84,9 @@ static json_t *turbo(void)
 /* A line of /proc/meminfo, bytes; NAN: there is none. */
 static double memory_of(const char *key)
 {
-    char line[256];
-    double kib = NAN;
-    FILE *file = fopen("/proc/meminfo", "re");
-    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
-        if (strncmp(line, key, strlen(key)) == 0) {
-            kib = strtod(line + strlen(key), NULL);
-        }
-    }
-    if (file != NULL) {
-        fclose(file);
-    }
-    return 1024 * kib;
+    char text[TEXT_SIZE];
+    const char *line = strstr(read_text("/proc/meminfo", text), key);
+    return line == NULL ? (double)NAN : 1024 * leading_number(line + strlen(key));
 }
 
 /* The least limit of a control group and of those around it, bytes; INFINITY: none. */
@@ -93,7 +94,7 @@ static double group_limit(const char *root, const char *name, const char *file)
 {
     char path[2048];
     double least = INFINITY;
-    size_t length = strcspn(name, "\n");
+    size_t length = strlen(name);
     for (;;) {
         while (length > 0 && name[length - 1] == '/') {
             --length;
@@ -118,13 +119,13 @@ static double limit_of(const struct rlimit *limit)
  * where that is no less than the machine has. */
 static double memory_limit(double total)
 {
-    char line[1024];
+    char text[TEXT_SIZE], *rest = text;
     struct rlimit space = {.rlim_cur = RLIM_INFINITY}, data = space;
     getrlimit(RLIMIT_AS, &space);
     getrlimit(RLIMIT_DATA, &data);
     double least = fmin(limit_of(&space), limit_of(&data));
-    FILE *file = fopen("/proc/self/cgroup", "re");
-    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+    read_text("/proc/self/cgroup", text);
+    for (const char *line; (line = strsep(&rest, "\n")) != NULL;) {
         const char *memory = strstr(line, ":memory:");
         if (strncmp(line, "0::", 3) == 0) {
             least = fmin(least, group_limit("/sys/fs/cgroup", line + 3, "memory.max"));
@@ -133,21 +134,10 @@ static double memory_limit(double total)
                          group_limit("/sys/fs/cgroup/memory", memory + 8, "memory.limit_in_bytes"));
         }
     }
-    if (file != NULL) {
-        fclose(file);
-    }
     return least < total ? least : (double)NAN;
 }
 
 /* ---- All of it ---- */
-
-static json_t *timer_json(void)
-{
-    const pl_clock_noise noise = pl_clock_noise_measure();
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:i}", "resolution", noise.resolution, "empty",
-                     noise.empty, "step", noise.step, "spread", noise.spread, "slow", noise.slow,
-                     "repeats", noise.repeats);
-}
 
 json_t *pl_machine(void)
 {
@@ -159,7 +149,7 @@ json_t *pl_machine(void)
                      "turbo", turbo(), "load", number_or_null(loads[0]), "cpus_online",
                      json_integer(sysconf(_SC_NPROCESSORS_ONLN)), "memory", "total",
                      number_or_null(total), "available", number_or_null(memory_of("MemAvailable:")),
-                     "limit", number_or_null(memory_limit(total)), "timer", timer_json());
+                     "limit", number_or_null(memory_limit(total)), "timer", pl_clock_noise());
 }
 
 /* ---- Text ---- */

@@ -1,11 +1,8 @@
 /* Reads the baseline file, with the place of every fault, and writes it. */
-#include "baseline.h"
+#include "gate.h"
 
-#include "ratio.h"
-#include "results/store.h"
-
-#include "base/json_field.h"
 #include "base/json_text.h"
+#include "results/store.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,27 +10,8 @@
 
 static const char schema_name[] = "plumb.baseline/1";
 static const char *const file_keys[] = {"schema", "rows"};
-static const char *const row_keys[] = {"scenario",
-                                       "params",
-                                       "engine",
-                                       "dt",
-                                       "duration",
-                                       "seed",
-                                       "member",
-                                       "scene_hash",
-                                       "outcome",
-                                       "verdict",
-                                       "metrics",
-                                       "time_ratio",
-                                       "instructions_ratio",
-                                       "wall_time_ratio",
-                                       "time_create_ratio",
-                                       "wall_time_create_ratio",
-                                       "time_read_ratio",
-                                       "wall_time_read_ratio"};
 static const char *const ratio_keys[] = {"reference", "value", "low", "high", "repeats"};
 static const pl_key_set file_set = PL_KEY_SET("baseline", file_keys);
-static const pl_key_set row_set = PL_KEY_SET("row", row_keys);
 static const pl_key_set ratio_set = PL_KEY_SET("ratio", ratio_keys);
 
 static bool read_schema(const json_t *json, pl_diagnostic *diagnostic)
@@ -45,6 +23,21 @@ static bool read_schema(const json_t *json, pl_diagnostic *diagnostic)
            (strcmp(schema, schema_name) == 0 ||
             pl_diagnose_field(diagnostic, "schema", "expected \"%s\", found %s", schema_name,
                               pl_quoted(schema, quoted)));
+}
+
+/* Checks that a row is an object of keys that there are: these, and the names of ratios. */
+static bool check_keys(const json_t *row, pl_diagnostic *diagnostic)
+{
+    const char *keys[11 + PL_METRIC_COUNT] = {"scenario", "params",  "engine", "dt",
+                                              "duration", "seed",    "member", "scene_hash",
+                                              "outcome",  "verdict", "metrics"};
+    pl_key_set set = {.object = "row", .keys = keys, .count = 11};
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        if (pl_metric_table[i].ratio != NULL) {
+            keys[set.count++] = pl_metric_table[i].ratio;
+        }
+    }
+    return pl_json_object(row, &set, diagnostic);
 }
 
 /* Checks an object of numbers, or, where `is_free`, of numbers, texts and nulls. */
@@ -101,16 +94,6 @@ static bool check_ratio(const json_t *row, const char *key, pl_diagnostic *diagn
     return true;
 }
 
-static bool check_ratios(const json_t *json, pl_diagnostic *diagnostic)
-{
-    bool right = true;
-    for (int i = 0; i < PL_METRIC_COUNT && right; ++i) {
-        const char *ratio = pl_metric_table[i].ratio;
-        right = ratio == NULL || check_ratio(json, ratio, diagnostic);
-    }
-    return right;
-}
-
 /* A row without the key has no verdict. */
 static bool check_verdict(const json_t *json, pl_diagnostic *diagnostic)
 {
@@ -126,7 +109,7 @@ static bool check_row(const json_t *json, pl_diagnostic *diagnostic)
 {
     const char *text = NULL;
     double number = 0;
-    return pl_json_object(json, &row_set, diagnostic) &&
+    return check_keys(json, diagnostic) &&
            pl_json_string(json, "scenario", PL_REQUIRED, "a scenario", &text, diagnostic) &&
            pl_json_string(json, "engine", PL_REQUIRED, "an engine", &text, diagnostic) &&
            pl_json_string(json, "outcome", PL_REQUIRED, "an outcome", &text, diagnostic) &&
@@ -137,18 +120,29 @@ static bool check_row(const json_t *json, pl_diagnostic *diagnostic)
            pl_json_number(json, "seed", PL_REQUIRED, &number, diagnostic) &&
            pl_json_number(json, "member", PL_OPTIONAL, &number, diagnostic) &&
            check_values(json, "params", false, diagnostic) &&
-           check_values(json, "metrics", true, diagnostic) && check_ratios(json, diagnostic);
+           check_values(json, "metrics", true, diagnostic);
 }
 
-/* Returns the index of an earlier row of the same run; -1 when there is none. */
-static int find_twin(const pl_gate_rows *rows, int index)
+static bool check_ratios(const json_t *row, pl_diagnostic *diagnostic)
 {
-    for (int i = 0; i < index; ++i) {
-        if (strcmp(rows->items[i].key, rows->items[index].key) == 0) {
-            return i;
-        }
+    bool right = true;
+    for (int i = 0; i < PL_METRIC_COUNT && right; ++i) {
+        const char *ratio = pl_metric_table[i].ratio;
+        right = ratio == NULL || check_ratio(row, ratio, diagnostic);
     }
-    return -1;
+    return right;
+}
+
+/* Checks that no earlier row is of the same run. */
+static bool check_last(const pl_gate_rows *rows, pl_diagnostic *diagnostic)
+{
+    const int last = rows->count - 1;
+    int twin = 0;
+    while (strcmp(rows->items[twin].key, rows->items[last].key) != 0) {
+        ++twin;
+    }
+    return twin == last ||
+           pl_diagnose(diagnostic, "expected another run than rows[%d], found the same", twin);
 }
 
 static bool read_rows(const json_t *array, pl_gate_rows *rows, pl_diagnostic *diagnostic)
@@ -159,14 +153,12 @@ static bool read_rows(const json_t *array, pl_gate_rows *rows, pl_diagnostic *di
     json_array_foreach(array, index, json)
     {
         pl_path_push_index(&diagnostic->path, (int)index);
-        if (!check_row(json, diagnostic)) {
+        if (!check_row(json, diagnostic) || !check_ratios(json, diagnostic)) {
             return false;
         }
         pl_gate_rows_add(rows, json_incref(json), NULL);
-        int twin = find_twin(rows, (int)index);
-        if (twin >= 0) {
-            return pl_diagnose(diagnostic, "expected another run than rows[%d], found the same",
-                               twin);
+        if (!check_last(rows, diagnostic)) {
+            return false;
         }
         pl_path_pop(&diagnostic->path);
     }

@@ -1,22 +1,89 @@
 /* Judges results: metric by metric against the baseline, times and instructions as ratios to the
  * reference engine of the same results, and by the caller's rules. */
-#include "judge.h"
+#include "gate.h"
 
-#include "ratio.h"
-#include "results/result.h"
+#include "base/heap.h"
+#include "base/json_get.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-/* Fills the texts of an entry. */
+/* ---- Entries ---- */
+
+/* Adds an entry, whose other texts the caller fills in before the next one is added. */
+static pl_gate_entry *add(pl_gate_verdict *verdict, bool is_failure, const pl_gate_row *row,
+                          const char *metric, const char *what)
+{
+    pl_gate_entry entry = {.is_failure = is_failure, .row = row, .metric = metric};
+    snprintf(entry.what, sizeof entry.what, "%.250s", what);
+    pl_push(&verdict->items, &verdict->count, &entry, sizeof entry);
+    verdict->failures += is_failure;
+    verdict->notices += !is_failure;
+    return &verdict->items[verdict->count - 1];
+}
+
 static void describe(pl_gate_entry *entry, const char *before, const char *after,
-                     const char *allowed, const char *what)
+                     const char *allowed)
 {
     snprintf(entry->before, sizeof entry->before, "%.90s", before);
     snprintf(entry->after, sizeof entry->after, "%.90s", after);
     snprintf(entry->allowed, sizeof entry->allowed, "%.125s", allowed);
-    snprintf(entry->what, sizeof entry->what, "%.250s", what);
+}
+
+/* Adds one row to a notice. Notices of equal metric and words become one. */
+static void note(pl_gate_verdict *verdict, const char *metric, const char *what)
+{
+    for (int i = 0; i < verdict->count; ++i) {
+        pl_gate_entry *known = &verdict->items[i];
+        if (known->row_count > 0 && strcmp(known->metric, metric) == 0 &&
+            strcmp(known->what, what) == 0) {
+            ++known->row_count;
+            return;
+        }
+    }
+    add(verdict, false, NULL, metric, what)->row_count = 1;
+}
+
+/* Sorts the entries: failures, notices of one row, notices of several rows. The sort is stable. */
+static void sort_entries(pl_gate_verdict *verdict)
+{
+    pl_gate_entry *sorted = NULL;
+    int count = 0;
+    for (int part = 0; part < 3; ++part) {
+        for (int i = 0; i < verdict->count; ++i) {
+            const pl_gate_entry *entry = &verdict->items[i];
+            if (!entry->is_failure + (entry->row_count > 0) == part) {
+                pl_push(&sorted, &count, entry, sizeof *entry);
+            }
+        }
+    }
+    free(verdict->items);
+    verdict->items = sorted;
+}
+
+/* Writes both values with as few digits as distinguish them, and their unit ("": none). */
+static void write_numbers(pl_gate_entry *entry, double before, double after, const char *unit)
+{
+    static const int digits[] = {4, 6, 17};
+    const char *blank = unit[0] == '\0' ? "" : " ";
+    for (size_t i = 0; i < sizeof digits / sizeof digits[0]; ++i) {
+        snprintf(entry->before, sizeof entry->before, "%.*g%s%.40s", digits[i], before, blank,
+                 unit);
+        snprintf(entry->after, sizeof entry->after, "%.*g%s%.40s", digits[i], after, blank, unit);
+        if (before == after || strcmp(entry->before, entry->after) != 0) {
+            return;
+        }
+    }
+}
+
+/* What is said about an improvement. */
+static const char BETTER[] = "better: --update-baseline tightens the baseline";
+
+static const char *unit_of(const char *metric)
+{
+    return pl_metric_table_unit(pl_metric_by_name(metric));
 }
 
 /* ---- Metrics ---- */
@@ -43,20 +110,21 @@ static void judge_others(const pl_gate_inputs *in, const pl_gate_row *row, const
         return;
     }
     if (id == PL_METRIC_STATE_HASH && !in->tolerances->of[id].given) {
-        pl_gate_verdict_note(verdict, "state_hash", "other bits");
+        note(verdict, "state_hash", "other bits");
         return;
     }
-    bool gained = json_is_null(before) && json_is_number(now);
-    pl_gate_entry *entry = pl_gate_verdict_add(verdict, !gained, row, metric);
-    const char *reason = pl_gate_row_metric(row, metric).reason;
+    const bool gained = json_is_null(before) && json_is_number(now);
+    const char *reason = pl_gate_cell_metric(row->cell, metric).reason;
+    const bool has_reason = json_is_null(now) && reason != NULL && reason[0] != '\0';
     char old_text[96], new_text[96];
     value_text(before, old_text);
     value_text(now, new_text);
-    describe(entry, old_text, new_text, gained ? "" : "the same",
-             gained                                                     ? "has a value now"
-             : now == NULL                                              ? "the metric is gone"
-             : json_is_null(now) && reason != NULL && reason[0] != '\0' ? reason
-                                                                        : "changed");
+    describe(add(verdict, !gained, row, metric,
+                 gained        ? "has a value now"
+                 : now == NULL ? "the metric is gone"
+                 : has_reason  ? reason
+                               : "changed"),
+             old_text, new_text, gained ? "" : "the same");
 }
 
 /* Whether a number that every repeat should have differs between them. */
@@ -79,16 +147,17 @@ static double worst_of(const pl_metric_summary *summary, pl_direction direction,
     return direction == PL_LOWER_IS_BETTER ? largest : least;
 }
 
-/* Says how far `now` is from `before`; `word` is "worse", "better" or "changed". */
-static void describe_change(double before, double now, const char *word, pl_gate_entry *entry)
+/* Says how far `now` is from `before`; `word` is "worse", "better" or "changed". `hint` comes after it. */
+static void describe_change(double before, double now, const char *word, const char *hint,
+                            char what[256])
 {
     double part = fabs(now - before) / fabs(before);
     if (!isfinite(part)) {
-        snprintf(entry->what, sizeof entry->what, "%s", word);
+        snprintf(what, 256, "%s%s", word, hint);
     } else if (part < 10) {
-        snprintf(entry->what, sizeof entry->what, "%s by %.3g %%", word, 100 * part);
+        snprintf(what, 256, "%s by %.3g %%%s", word, 100 * part, hint);
     } else {
-        snprintf(entry->what, sizeof entry->what, "%s, %.3g times", word, now / before);
+        snprintf(what, 256, "%s, %.3g times%s", word, now / before, hint);
     }
 }
 
@@ -98,32 +167,28 @@ static void judge_number(const pl_gate_inputs *in, const pl_gate_row *row, const
     static const pl_gate_tolerance unknown = {.relative = 1e-6, .absolute = 1e-9};
     int id = pl_metric_by_name(metric);
     pl_direction direction = id < 0 ? PL_NO_DIRECTION : pl_metric_table[id].direction;
-    double dt = json_number_value(json_object_get(row->json, "dt"));
+    double dt = pl_json_get_number(row->json, "dt");
     double allowed =
         pl_gate_tolerance_at(id < 0 ? &unknown : &in->tolerances->of[id], id, before, dt);
-    const pl_metric_summary summary = pl_gate_row_metric(row, metric);
+    const pl_metric_summary summary = pl_gate_cell_metric(row->cell, metric);
     const double now = worst_of(&summary, direction, before);
     ++verdict->comparisons;
     if (is_spread(&summary)) {
-        pl_gate_verdict_note(verdict, metric, "repeats differ, and the worst of them counts");
+        note(verdict, metric, "repeats differ, and the worst of them counts");
     }
     if (fabs(now - before) <= allowed) {
         return;
     }
     bool grew = now > before;
     bool is_better = direction != PL_NO_DIRECTION && grew == (direction == PL_HIGHER_IS_BETTER);
-    pl_gate_entry *entry = pl_gate_verdict_add(verdict, !is_better, row, metric);
     const char *unit = pl_metric_table_unit(id);
-    pl_gate_entry_numbers(entry, before, now, unit);
+    const char *word = is_better ? "better" : direction == PL_NO_DIRECTION ? "changed" : "worse";
+    char what[256];
+    describe_change(before, now, word, is_better ? BETTER + strlen("better") : "", what);
+    pl_gate_entry *entry = add(verdict, !is_better, row, metric, what);
+    write_numbers(entry, before, now, unit);
     snprintf(entry->allowed, sizeof entry->allowed, "a difference of %.3g%s%.40s", allowed,
              unit[0] == '\0' ? "" : " ", unit);
-    const char *word = is_better ? "better" : direction == PL_NO_DIRECTION ? "changed" : "worse";
-    describe_change(before, now, word, entry);
-    if (is_better) {
-        size_t length = strlen(entry->what);
-        snprintf(entry->what + length, sizeof entry->what - length,
-                 ": --update-baseline tightens the baseline");
-    }
 }
 
 static void judge_metrics(const pl_gate_inputs *in, const pl_gate_row *before,
@@ -138,8 +203,8 @@ static void judge_metrics(const pl_gate_inputs *in, const pl_gate_row *before,
         if (id >= 0 && in->tolerances->of[id].off) {
             continue;
         }
-        if (found == NULL && pl_gate_row_metric(now, metric).state != PL_METRIC_ABSENT) {
-            pl_gate_verdict_note(verdict, metric, "is compared only with --tolerance");
+        if (found == NULL && pl_gate_cell_metric(now->cell, metric).state != PL_METRIC_ABSENT) {
+            note(verdict, metric, "is compared only with --tolerance");
         } else if (json_is_number(value) && json_is_number(found)) {
             judge_number(in, now, metric, json_number_value(value), verdict);
         } else {
@@ -151,7 +216,7 @@ static void judge_metrics(const pl_gate_inputs *in, const pl_gate_row *before,
         int id = pl_metric_by_name(metric);
         bool is_off = id >= 0 && in->tolerances->of[id].off;
         if (!is_off && json_object_get(before->metrics, metric) == NULL) {
-            pl_gate_verdict_note(verdict, metric, "the baseline has no such metric");
+            note(verdict, metric, "the baseline has no such metric");
         }
     }
 }
@@ -186,22 +251,22 @@ static void judge_trend(const pl_gate_row *row, int cost, const json_t *kept,
     const pl_gate_ratio before = pl_gate_ratio_of_json(kept);
     pl_gate_trend trend = pl_gate_ratio_trend(&before, now, limit, &growth, &noise);
     if (trend == PL_GATE_FEW) {
-        pl_gate_verdict_note(verdict, metric,
-                             "inconclusive: noise is known from 5 repeats or more (--repeat 5), "
-                             "here and in the baseline");
+        note(verdict, metric,
+             "inconclusive: noise is known from 5 repeats or more (--repeat 5), "
+             "here and in the baseline");
         return;
     }
     ++verdict->comparisons;
     if (trend == PL_GATE_STEADY) {
         return;
     }
-    pl_gate_entry *entry = pl_gate_verdict_add(verdict, trend == PL_GATE_SLOWER, row, metric);
-    char unit[80];
+    char unit[80], what[256];
     snprintf(unit, sizeof unit, "times %.70s's", pl_json_get_text(kept, "reference"));
-    pl_gate_entry_numbers(entry, before.value, now->value, unit);
+    snprintf(what, sizeof what, "%s: %+.3g %%, noise %.2g %%", words[trend], 100 * growth,
+             100 * noise);
+    pl_gate_entry *entry = add(verdict, trend == PL_GATE_SLOWER, row, metric, what);
+    write_numbers(entry, before.value, now->value, unit);
     snprintf(entry->allowed, sizeof entry->allowed, "+%.3g %% and the noise", 100 * limit);
-    snprintf(entry->what, sizeof entry->what, "%s: %+.3g %%, noise %.2g %%", words[trend],
-             100 * growth, 100 * noise);
 }
 
 static void judge_cost(const pl_gate_inputs *in, const pl_gate_row *before, const pl_gate_row *now,
@@ -215,17 +280,13 @@ static void judge_cost(const pl_gate_inputs *in, const pl_gate_row *before, cons
     }
     const char *kept_reference = pl_json_get_text(kept, "reference");
     if (in->reference != NULL && strcmp(in->reference, kept_reference) != 0) {
-        pl_gate_verdict_note(verdict, metric, "not compared: the baseline has another reference");
+        note(verdict, metric, "not compared: the baseline has another reference");
         return;
     }
-    const pl_result_cell *reference = pl_gate_reference_of(in->now, now, kept_reference);
-    pl_gate_ratio ratio = {0};
-    if (reference != NULL) {
-        ratio = pl_gate_ratio_measure(now->cell, reference, metric);
-    }
+    const pl_gate_ratio ratio = pl_gate_ratio_measure(
+        now->cell, pl_gate_reference_of(in->now, now, kept_reference), metric);
     if (ratio.repeats == 0) {
-        pl_gate_verdict_note(verdict, metric,
-                             "not compared: no run of the reference engine on the same case");
+        note(verdict, metric, "not compared: no run of the reference engine on the same case");
         return;
     }
     double limit = rule != NULL                      ? rule->value
@@ -239,13 +300,13 @@ static void judge_cost(const pl_gate_inputs *in, const pl_gate_row *before, cons
 /* A rule that judges nothing fails: otherwise a misspelt name, or a run that is missing, would let
  * everything pass. */
 
-/* Adds the failure of a rule. */
+/* Adds the failure of a rule, and why; `reason` "": because the rule says so. */
 static pl_gate_entry *add_rule_failure(const pl_gate_rule *rule, const pl_gate_row *row,
-                                       pl_gate_verdict *verdict)
+                                       const char *reason, pl_gate_verdict *verdict)
 {
-    pl_gate_entry *entry = pl_gate_verdict_add(verdict, true, row, rule->metric);
+    pl_gate_entry *entry =
+        add(verdict, true, row, rule->metric, reason[0] == '\0' ? "the rule fails it" : reason);
     snprintf(entry->allowed, sizeof entry->allowed, "not %.120s", rule->text);
-    snprintf(entry->what, sizeof entry->what, "the rule fails it");
     return entry;
 }
 
@@ -254,13 +315,9 @@ static void judge_text(const pl_gate_rule *rule, const pl_gate_row *row, const c
                        const char *reason, pl_gate_verdict *verdict)
 {
     ++verdict->comparisons;
-    if ((strcmp(found, rule->word) == 0) != (rule->op == PL_GATE_EQUAL)) {
-        return;
-    }
-    pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
-    snprintf(entry->after, sizeof entry->after, "%.90s", found);
-    if (reason[0] != '\0') {
-        snprintf(entry->what, sizeof entry->what, "%.250s", reason);
+    if ((strcmp(found, rule->word) == 0) == (rule->op == PL_GATE_EQUAL)) {
+        pl_gate_entry *entry = add_rule_failure(rule, row, reason, verdict);
+        snprintf(entry->after, sizeof entry->after, "%.90s", found);
     }
 }
 
@@ -273,11 +330,12 @@ static bool judge_no_value(const pl_gate_rule *rule, const pl_gate_row *row,
     if (found->state == PL_METRIC_ABSENT && is_ok) {
         return false;
     }
-    pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
+    char what[256];
     const char *reason = found->reason == NULL ? "" : found->reason;
-    snprintf(entry->after, sizeof entry->after, "no value");
-    snprintf(entry->what, sizeof entry->what, "%.120s%s%.120s", is_ok ? reason : row->outcome,
+    snprintf(what, sizeof what, "%.120s%s%.120s", is_ok ? reason : row->outcome,
              row->reason[0] == '\0' ? "" : ": ", row->reason);
+    pl_gate_entry *entry = add_rule_failure(rule, row, what, verdict);
+    snprintf(entry->after, sizeof entry->after, "no value");
     ++verdict->comparisons;
     return true;
 }
@@ -294,9 +352,8 @@ static void judge_absolute(const pl_gate_rule *rule, const pl_gate_row *row,
     }
     ++verdict->comparisons;
     if (i < count) {
-        pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
-        pl_gate_entry_numbers(entry, numbers[i], numbers[i],
-                              pl_metric_table_unit(pl_metric_by_name(rule->metric)));
+        pl_gate_entry *entry = add_rule_failure(rule, row, "", verdict);
+        write_numbers(entry, numbers[i], numbers[i], unit_of(rule->metric));
         entry->before[0] = '\0';
     }
 }
@@ -314,9 +371,8 @@ static bool judge_relative(const pl_gate_inputs *in, const pl_gate_rule *rule,
     double least = id < 0 ? 0 : in->tolerances->of[id].absolute;
     ++verdict->comparisons;
     if (pl_gate_rule_holds_relative(rule, json_number_value(kept), now, least)) {
-        pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
-        pl_gate_entry_numbers(entry, json_number_value(kept), now,
-                              pl_metric_table_unit(pl_metric_by_name(rule->metric)));
+        write_numbers(add_rule_failure(rule, row, "", verdict), json_number_value(kept), now,
+                      unit_of(rule->metric));
     }
     return true;
 }
@@ -324,7 +380,7 @@ static bool judge_relative(const pl_gate_inputs *in, const pl_gate_rule *rule,
 static bool judge_value(const pl_gate_inputs *in, const pl_gate_rule *rule, const pl_gate_row *row,
                         pl_gate_verdict *verdict)
 {
-    const pl_metric_summary found = pl_gate_row_metric(row, rule->metric);
+    const pl_metric_summary found = pl_gate_cell_metric(row->cell, rule->metric);
     if (found.state != PL_METRIC_VALUE) {
         return judge_no_value(rule, row, &found, verdict);
     }
@@ -340,14 +396,11 @@ static bool judge_ratio(const pl_gate_inputs *in, const pl_gate_rule *rule, cons
                         pl_gate_verdict *verdict)
 {
     const pl_result_cell *reference = pl_gate_reference_of(in->now, row, in->reference);
-    pl_gate_ratio ratio = {0};
-    if (reference != NULL) {
-        ratio = pl_gate_ratio_measure(row->cell, reference,
-                                      pl_metric_table[pl_gate_cost_of(rule->metric)].name);
-    }
+    const pl_gate_ratio ratio = pl_gate_ratio_measure(
+        row->cell, reference, pl_metric_table[pl_gate_cost_of(rule->metric)].name);
     verdict->comparisons += ratio.repeats > 0;
     if (ratio.repeats > 0 && pl_gate_rule_holds(rule, ratio.value)) {
-        pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
+        pl_gate_entry *entry = add_rule_failure(rule, row, "", verdict);
         snprintf(entry->after, sizeof entry->after, "%.4g times %.60s's", ratio.value,
                  pl_gate_label_of(in->now, reference));
     }
@@ -368,20 +421,22 @@ static bool judge_by_rule(const pl_gate_inputs *in, const pl_gate_rule *rule,
     if (cost >= 0 && strcmp(rule->metric, pl_metric_table[cost].ratio) == 0) {
         return judge_ratio(in, rule, row, verdict);
     }
-    if (strcmp(rule->metric, "outcome") == 0) {
-        judge_text(rule, row, row->outcome, row->reason, verdict);
-    } else if (strcmp(rule->metric, "verdict") == 0) {
-        judge_text(rule, row, pl_verdict_name(row->verdict), row->verdict_reason, verdict);
-    } else if (rule->is_text) {
-        const pl_metric_summary found = pl_gate_row_metric(row, rule->metric);
-        if (found.state != PL_METRIC_TEXT) {
-            return false;
-        }
-        judge_text(rule, row, found.text, row->reason, verdict);
-    } else {
+    if (!rule->is_text) {
         return judge_value(in, rule, row, verdict);
     }
-    return true;
+    if (strcmp(rule->metric, "outcome") == 0) {
+        judge_text(rule, row, row->outcome, row->reason, verdict);
+        return true;
+    }
+    if (strcmp(rule->metric, "verdict") == 0) {
+        judge_text(rule, row, pl_verdict_name(row->verdict), row->verdict_reason, verdict);
+        return true;
+    }
+    const pl_metric_summary found = pl_gate_cell_metric(row->cell, rule->metric);
+    if (found.state == PL_METRIC_TEXT) {
+        judge_text(rule, row, found.text, row->reason, verdict);
+    }
+    return found.state == PL_METRIC_TEXT;
 }
 
 static void judge_rules(const pl_gate_inputs *in, pl_gate_verdict *verdict)
@@ -396,10 +451,11 @@ static void judge_rules(const pl_gate_inputs *in, pl_gate_verdict *verdict)
             }
         }
         if (judged == 0) {
-            pl_gate_entry *entry = add_rule_failure(rule, NULL, verdict);
-            snprintf(entry->what, sizeof entry->what, "the rule judges nothing: %s",
-                     selected == 0 ? "no row is of that scenario and engine"
-                                   : "no row that it is of has the value");
+            add_rule_failure(rule, NULL,
+                             selected == 0
+                                 ? "the rule judges nothing: no row is of that scenario and engine"
+                                 : "the rule judges nothing: no row that it is of has the value",
+                             verdict);
         }
     }
 }
@@ -414,12 +470,12 @@ static bool judge_outcome(const pl_gate_row *before, const pl_gate_row *now,
     if (strcmp(before->outcome, now->outcome) == 0) {
         return pl_gate_row_is_ok(now);
     }
-    bool is_better = pl_gate_row_is_ok(now);
-    describe(pl_gate_verdict_add(verdict, !is_better, now, "outcome"), before->outcome,
-             now->outcome, "the same outcome",
-             is_better             ? "better: --update-baseline tightens the baseline"
-             : now->reason[0] != 0 ? now->reason
-                                   : "another outcome");
+    const bool is_better = pl_gate_row_is_ok(now);
+    describe(add(verdict, !is_better, now, "outcome",
+                 is_better             ? BETTER
+                 : now->reason[0] != 0 ? now->reason
+                                       : "another outcome"),
+             before->outcome, now->outcome, "the same outcome");
     return false;
 }
 
@@ -429,10 +485,10 @@ static void judge_verdict(const pl_gate_row *before, const pl_gate_row *now,
 {
     if (before->verdict == PL_VERDICT_UNJUDGED || now->verdict == PL_VERDICT_UNJUDGED) {
         if (before->verdict != now->verdict) {
-            pl_gate_verdict_note(verdict, "verdict",
-                                 now->verdict == PL_VERDICT_UNJUDGED
-                                     ? "is no longer judged"
-                                     : "the baseline has none: --update-baseline takes it in");
+            note(verdict, "verdict",
+                 now->verdict == PL_VERDICT_UNJUDGED
+                     ? "is no longer judged"
+                     : "the baseline has none: --update-baseline takes it in");
         }
         return;
     }
@@ -441,9 +497,8 @@ static void judge_verdict(const pl_gate_row *before, const pl_gate_row *now,
         return;
     }
     const bool is_better = now->verdict < before->verdict;
-    describe(pl_gate_verdict_add(verdict, !is_better, now, "verdict"),
-             pl_verdict_name(before->verdict), pl_verdict_name(now->verdict), "no worse verdict",
-             is_better ? "better: --update-baseline tightens the baseline" : now->verdict_reason);
+    describe(add(verdict, !is_better, now, "verdict", is_better ? BETTER : now->verdict_reason),
+             pl_verdict_name(before->verdict), pl_verdict_name(now->verdict), "no worse verdict");
 }
 
 static void judge_row(const pl_gate_inputs *in, const pl_gate_row *before, const pl_gate_row *now,
@@ -452,8 +507,8 @@ static void judge_row(const pl_gate_inputs *in, const pl_gate_row *before, const
     const char *hash = json_string_value(json_object_get(before->json, "scene_hash"));
     const char *new_hash = json_string_value(json_object_get(now->json, "scene_hash"));
     if (hash != NULL && new_hash != NULL && strcmp(hash, new_hash) != 0) {
-        describe(pl_gate_verdict_add(verdict, false, now, "scene_hash"), hash, new_hash, "",
-                 "the scene is another one");
+        describe(add(verdict, false, now, "scene_hash", "the scene is another one"), hash, new_hash,
+                 "");
     }
     if (!judge_outcome(before, now, verdict)) {
         return;
@@ -471,8 +526,8 @@ static void judge_baseline(const pl_gate_inputs *in, pl_gate_verdict *verdict)
         const pl_gate_row *before = &in->before->items[i];
         const pl_gate_row *now = pl_gate_rows_find(in->now, before->key);
         if (now == NULL) {
-            describe(pl_gate_verdict_add(verdict, true, before, "outcome"), before->outcome,
-                     "missing", "every run of the baseline", "the results have no such run");
+            describe(add(verdict, true, before, "outcome", "the results have no such run"),
+                     before->outcome, "missing", "every run of the baseline");
         } else {
             judge_row(in, before, now, verdict);
         }
@@ -480,8 +535,9 @@ static void judge_baseline(const pl_gate_inputs *in, pl_gate_verdict *verdict)
     for (int i = 0; i < in->now->count; ++i) {
         const pl_gate_row *now = &in->now->items[i];
         if (pl_gate_rows_find(in->before, now->key) == NULL) {
-            describe(pl_gate_verdict_add(verdict, false, now, "outcome"), "none", now->outcome, "",
-                     "not in the baseline: --update-baseline takes it in");
+            describe(add(verdict, false, now, "outcome",
+                         "not in the baseline: --update-baseline takes it in"),
+                     "none", now->outcome, "");
         }
     }
 }
@@ -493,5 +549,5 @@ void pl_gate_judge(const pl_gate_inputs *in, pl_gate_verdict *verdict)
         judge_baseline(in, verdict);
     }
     judge_rules(in, verdict);
-    pl_gate_verdict_order(verdict);
+    sort_entries(verdict);
 }

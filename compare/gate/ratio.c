@@ -5,9 +5,10 @@
  * distribution (W. R. Thompson 1936): with the k-th value from either end they hold the true median
  * except with a probability of 2 P(B < k), B binomial of n and 1/2. At most 1/16 is allowed, which
  * five repeats just reach. */
-#include "ratio.h"
+#include "gate.h"
 
 #include "base/heap.h"
+#include "base/json_get.h"
 #include "base/statistics.h"
 
 #include <math.h>
@@ -89,7 +90,7 @@ pl_gate_ratio pl_gate_ratio_measure(const pl_result_cell *cell, const pl_result_
     double *values = pl_heap_new((size_t)cell->count, sizeof *values);
     for (int i = 0; i < cell->count; ++i) {
         const pl_result_row *own = &cell->rows[i];
-        for (int k = 0; k < reference->count; ++k) {
+        for (int k = 0; reference != NULL && k < reference->count; ++k) {
             const pl_result_row *other = &reference->rows[k];
             const double value =
                 pl_result_metric(own->result, metric) / pl_result_metric(other->result, metric);
@@ -110,13 +111,12 @@ void pl_gate_ratios_add(pl_gate_rows *rows, const char *label)
     for (int i = 0; i < rows->count; ++i) {
         const pl_gate_row *row = &rows->items[i];
         const pl_result_cell *reference = pl_gate_reference_of(rows, row, label);
-        for (int c = 0; reference != NULL && pl_gate_row_is_ok(row) && c < PL_METRIC_COUNT; ++c) {
-            const pl_gate_ratio ratio =
-                pl_metric_table[c].ratio == NULL
-                    ? (pl_gate_ratio){.repeats = 0}
-                    : pl_gate_ratio_measure(row->cell, reference, pl_metric_table[c].name);
+        for (int c = 0; pl_gate_row_is_ok(row) && c < PL_METRIC_COUNT; ++c) {
+            const pl_metric_info *cost = &pl_metric_table[c];
+            const pl_gate_ratio ratio = pl_gate_ratio_measure(
+                row->cell, cost->ratio == NULL ? NULL : reference, cost->name);
             if (ratio.repeats > 0) {
-                json_object_set_new(row->json, pl_metric_table[c].ratio,
+                json_object_set_new(row->json, cost->ratio,
                                     json_pack("{s:s, s:f, s:f, s:f, s:i}", "reference",
                                               pl_gate_label_of(rows, reference), "value",
                                               ratio.value, "low", ratio.low, "high", ratio.high,
@@ -128,10 +128,10 @@ void pl_gate_ratios_add(pl_gate_rows *rows, const char *label)
 
 pl_gate_ratio pl_gate_ratio_of_json(const json_t *json)
 {
-    return (pl_gate_ratio){.repeats = (int)json_number_value(json_object_get(json, "repeats")),
-                           .value = json_number_value(json_object_get(json, "value")),
-                           .low = json_number_value(json_object_get(json, "low")),
-                           .high = json_number_value(json_object_get(json, "high"))};
+    return (pl_gate_ratio){.repeats = (int)pl_json_get_number(json, "repeats"),
+                           .value = pl_json_get_number(json, "value"),
+                           .low = pl_json_get_number(json, "low"),
+                           .high = pl_json_get_number(json, "high")};
 }
 
 /* Returns half the width of the bounds, over the value. */

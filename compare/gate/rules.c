@@ -3,10 +3,7 @@
  * A deterministic engine gives the same numbers at every run, so the default tolerances are those
  * of rounding: a millionth, or 1e-9 in the metric's own unit. A smaller number is rounding of the
  * engine or of the referee over some thousands of steps. The time to rest is known to one step. */
-#include "rules.h"
-
-#include "ratio.h"
-#include "results/result.h"
+#include "gate.h"
 
 #include <fnmatch.h>
 #include <math.h>
@@ -16,7 +13,7 @@
 /* ---- Tolerances ---- */
 
 /* A rule also accepts "outcome", "verdict" and the names of ratios. */
-enum { KNOWN_COUNT = 2 * PL_METRIC_COUNT + 2, HINT_SIZE = 2 * PL_NAME_SIZE };
+enum { KNOWN_COUNT = 2 * PL_METRIC_COUNT + 2 };
 
 pl_gate_tolerances pl_gate_tolerances_default(void)
 {
@@ -29,13 +26,11 @@ pl_gate_tolerances pl_gate_tolerances_default(void)
 
 /* Whether a rule takes the name; else `hint` is the end of a message, which suggests the nearest
  * one. */
-static bool is_known(const char *name, char hint[HINT_SIZE])
+static bool is_known(const char *name, char hint[PL_SUGGESTION_SIZE])
 {
-    const char *names[KNOWN_COUNT];
+    const char *names[KNOWN_COUNT] = {"outcome", "verdict"};
     bool known = false;
-    int count = 0;
-    names[count++] = "outcome";
-    names[count++] = "verdict";
+    int count = 2;
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         names[count++] = pl_metric_table[i].name;
         if (pl_metric_table[i].ratio != NULL) {
@@ -45,11 +40,8 @@ static bool is_known(const char *name, char hint[HINT_SIZE])
     for (int i = 0; i < count; ++i) {
         known |= strcmp(names[i], name) == 0;
     }
-    const char *nearest = pl_nearest_name(name, names, count);
-    if (nearest == NULL) {
-        snprintf(hint, HINT_SIZE, "; see plumb list metrics");
-    } else {
-        snprintf(hint, HINT_SIZE, "; did you mean %s?", nearest);
+    if (pl_did_you_mean(name, names, count, hint)[0] == '\0') {
+        snprintf(hint, PL_SUGGESTION_SIZE, "; see plumb list metrics");
     }
     return known;
 }
@@ -74,7 +66,7 @@ static bool read_bound(const char *text, size_t length, double *value)
 pl_status pl_gate_tolerances_parse(const char *text, pl_gate_tolerances *tolerances,
                                    pl_error *error)
 {
-    char name[PL_NAME_SIZE], hint[HINT_SIZE];
+    char name[PL_NAME_SIZE], hint[PL_SUGGESTION_SIZE];
     size_t length = strcspn(text, "=");
     if (text[length] != '=' || length == 0 || length >= sizeof name) {
         return fail(text, "expected METRIC=RELATIVE[,ABSOLUTE] or METRIC=off", error);
@@ -182,7 +174,7 @@ static const char *read_filter(const char *text, pl_gate_rule *rule)
 
 static pl_status read_metric(const char *text, const char *at, pl_gate_rule *rule, pl_error *error)
 {
-    char hint[HINT_SIZE];
+    char hint[PL_SUGGESTION_SIZE];
     size_t length = strspn(at, name_letters);
     if (length == 0 || length >= sizeof rule->metric) {
         return fail_at(text, at, "a metric", error);

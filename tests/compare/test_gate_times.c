@@ -1,6 +1,6 @@
 /* The gate's judgement of times and instructions, and what it takes for noise. */
 #include "check.h"
-#include "gate/ratio.h"
+#include "gate/gate.h"
 #include "gate_trial.h"
 #include "report_rows.h"
 

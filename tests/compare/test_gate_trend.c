@@ -1,7 +1,6 @@
 /* Trends of ratios in closed form, and the differences that tolerances and rules allow. */
 #include "check.h"
-#include "gate/ratio.h"
-#include "gate/rules.h"
+#include "gate/gate.h"
 #include "gate_trial.h"
 #include "report_rows.h"
 

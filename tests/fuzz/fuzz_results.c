@@ -5,7 +5,7 @@
 
 #include "fuzz_rows.h"
 
-#include "gate/gather.h"
+#include "gate/gate.h"
 #include "report/report.h"
 #include "report/summary.h"
 #include "report/sweep_report.h"

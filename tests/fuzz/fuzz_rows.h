@@ -4,7 +4,7 @@
 
 #include "fuzz_file.h"
 
-#include "gate/baseline.h"
+#include "gate/gate.h"
 
 /* Writes rows and reads them again into *read. */
 static inline void fuzz_write_and_read(const pl_gate_rows *rows, pl_gate_rows *read)

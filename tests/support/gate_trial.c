@@ -2,8 +2,7 @@
 #include "gate_trial.h"
 
 #include "check.h"
-#include "gate/baseline.h"
-#include "gate/ratio.h"
+#include "gate/gate.h"
 #include "report_rows.h"
 
 #include <stdlib.h>
@@ -54,7 +53,7 @@ void judge(const workspace *w, trial *t)
 
 void end_trial(trial *t)
 {
-    pl_gate_verdict_free(&t->verdict);
+    free(t->verdict.items);
     pl_gate_rows_free(&t->made);
     pl_gate_rows_free(&t->before);
     pl_gate_rows_free(&t->now);

@@ -2,8 +2,7 @@
 #ifndef PLUMB_TEST_GATE_TRIAL_H
 #define PLUMB_TEST_GATE_TRIAL_H
 
-#include "gate/gather.h"
-#include "gate/judge.h"
+#include "gate/gate.h"
 #include "plumb_process.h"
 #include "result_tables.h"
 

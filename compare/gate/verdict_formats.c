@@ -1,71 +1,15 @@
-/* The list of failures and notices, and its formats: text, GitHub's workflow commands and job page,
- * JUnit's XML, and plumb.gate/1. */
-#include "gate_verdict.h"
+/* The formats of failures and notices: text, GitHub's workflow commands and job page, JUnit's XML, and
+ * plumb.gate/1. */
+#include "gate.h"
 
 #include "base/heap.h"
 #include "base/json_write.h"
-#include "results/result.h"
+#include "base/table.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { PLACE_SIZE = 512, WORDS_SIZE = 1024 };
-
-pl_gate_entry *pl_gate_verdict_add(pl_gate_verdict *verdict, bool is_failure,
-                                   const pl_gate_row *row, const char *metric)
-{
-    const pl_gate_entry entry = {.is_failure = is_failure, .row = row, .metric = metric};
-    pl_push(&verdict->items, &verdict->count, &entry, sizeof entry);
-    verdict->failures += is_failure;
-    verdict->notices += !is_failure;
-    return &verdict->items[verdict->count - 1];
-}
-
-void pl_gate_verdict_note(pl_gate_verdict *verdict, const char *metric, const char *what)
-{
-    for (int i = 0; i < verdict->count; ++i) {
-        pl_gate_entry *known = &verdict->items[i];
-        if (known->row_count > 0 && strcmp(known->metric, metric) == 0 &&
-            strcmp(known->what, what) == 0) {
-            ++known->row_count;
-            return;
-        }
-    }
-    pl_gate_entry *entry = pl_gate_verdict_add(verdict, false, NULL, metric);
-    snprintf(entry->what, sizeof entry->what, "%s", what);
-    entry->row_count = 1;
-}
-
-void pl_gate_verdict_order(pl_gate_verdict *verdict)
-{
-    pl_gate_verdict ordered = {0};
-    for (int part = 0; part < 3; ++part) {
-        for (int i = 0; i < verdict->count; ++i) {
-            const pl_gate_entry *entry = &verdict->items[i];
-            if (!entry->is_failure + (entry->row_count > 0) == part) {
-                pl_push(&ordered.items, &ordered.count, entry, sizeof *entry);
-            }
-        }
-    }
-    free(verdict->items);
-    verdict->items = ordered.items;
-    verdict->count = ordered.count;
-}
-
-void pl_gate_entry_numbers(pl_gate_entry *entry, double before, double after, const char *unit)
-{
-    static const int digits[] = {4, 6, 17};
-    const char *blank = unit[0] == '\0' ? "" : " ";
-    for (size_t i = 0; i < sizeof digits / sizeof digits[0]; ++i) {
-        snprintf(entry->before, sizeof entry->before, "%.*g%s%.40s", digits[i], before, blank,
-                 unit);
-        snprintf(entry->after, sizeof entry->after, "%.*g%s%.40s", digits[i], after, blank, unit);
-        if (before == after || strcmp(entry->before, entry->after) != 0) {
-            return;
-        }
-    }
-}
 
 static const char *plural(int count)
 {
@@ -86,12 +30,6 @@ void pl_gate_verdict_summary(const pl_gate_verdict *verdict, char *text, size_t 
     }
     snprintf(text, size, "gate %s %d comparison%s of %s", result, verdict->comparisons,
              plural(verdict->comparisons), tail);
-}
-
-void pl_gate_verdict_free(pl_gate_verdict *verdict)
-{
-    free(verdict->items);
-    *verdict = (pl_gate_verdict){0};
 }
 
 /* ---- Text ---- */
@@ -172,42 +110,39 @@ void pl_gate_write_markdown(const pl_gate_verdict *verdict, pl_text_buffer *out)
     pl_text_add(out, "### plumb ");
     pl_text_add_markdown(out, summary);
     pl_text_add(out, "\n");
-    if (verdict->count > 0) {
-        pl_text_add(out, "\n| | run | metric | before | after | allowed | |\n"
-                         "|---|---|---|---:|---:|---|---|\n");
-    }
+    pl_table table = {0};
+    pl_table_columns(&table, "|run|metric|>before|>after|allowed|");
     for (int i = 0; i < verdict->count; ++i) {
         const pl_gate_entry *entry = &verdict->items[i];
-        const char *cells[] = {place,        entry->metric,  entry->before,
-                               entry->after, entry->allowed, entry->what};
+        const char *const cells[] = {place,        entry->metric,  entry->before,
+                                     entry->after, entry->allowed, entry->what};
         place_text(entry, place);
-        pl_text_add(out, entry->is_failure ? "| **failed** |" : "| note |");
+        pl_table_add_markup(&table, entry->is_failure ? "**failed**" : "note");
         for (size_t k = 0; k < sizeof cells / sizeof cells[0]; ++k) {
-            pl_text_add(out, " ");
-            pl_text_add_markdown(out, cells[k]);
-            pl_text_add(out, " |");
+            pl_table_add(&table, cells[k]);
         }
-        pl_text_add(out, "\n");
     }
+    pl_text_add(out, verdict->count > 0 ? "\n" : "");
+    pl_table_write(&table, PL_TABLE_MARKDOWN, out);
     pl_text_add(out, "\n");
+    pl_table_free(&table);
 }
 
 /* ---- JUnit ---- */
 
-/* Counts the entries of a row; where `row` is NULL, those of no single row. */
-static int count_of(const pl_gate_verdict *verdict, const pl_gate_row *row, bool is_failure)
-{
-    int count = 0;
-    for (int i = 0; i < verdict->count; ++i) {
-        count += verdict->items[i].row == row && verdict->items[i].is_failure == is_failure;
-    }
-    return count;
-}
+/* The test cases, and how many there are. */
+typedef struct junit {
+    const pl_gate_verdict *verdict;
+    pl_text_buffer cases;
+    int count, failed;
+} junit;
 
-static void add_entries(const pl_gate_verdict *verdict, const pl_gate_row *row, bool is_failure,
-                        pl_text_buffer *text)
+/* Adds the failures of a row, or its notices; where `row` is NULL, those of no single row. Returns their number. */
+static int add_entries(const pl_gate_verdict *verdict, const pl_gate_row *row, bool is_failure,
+                       pl_text_buffer *text)
 {
     char place[PLACE_SIZE], words[WORDS_SIZE];
+    int count = 0;
     for (int i = 0; i < verdict->count; ++i) {
         const pl_gate_entry *entry = &verdict->items[i];
         if (entry->row == row && entry->is_failure == is_failure) {
@@ -217,65 +152,56 @@ static void add_entries(const pl_gate_verdict *verdict, const pl_gate_row *row, 
             pl_text_format(text, ": %s: ", entry->metric);
             pl_text_add_html(text, words);
             pl_text_add(text, "\n");
+            ++count;
         }
     }
+    return count;
 }
 
-/* Where `row` is NULL, the case is that of the entries of no single row. */
-static void add_case(const pl_gate_verdict *verdict, const pl_gate_row *row, pl_text_buffer *text)
+/* Adds the test case of a row; where `row` is NULL, that of the entries of no single row, if there are any. */
+static void add_case(junit *j, const pl_gate_row *row)
 {
-    int failures = count_of(verdict, row, true), notices = count_of(verdict, row, false);
-    pl_text_add_element(text, "  <testcase classname=\"plumb.", row == NULL ? "gate" : row->name,
-                        "\"");
-    pl_text_add_element(text, " name=\"", row == NULL ? "rules and notices" : row->label, "\">");
-    if (failures > 0) {
-        pl_text_format(text, "\n    <failure message=\"%d failure%s\">", failures,
-                       plural(failures));
-        add_entries(verdict, row, true, text);
-        pl_text_add(text, "</failure>");
+    pl_text_buffer failures = {0}, notices = {0};
+    const int failure_count = add_entries(j->verdict, row, true, &failures);
+    const int notice_count = add_entries(j->verdict, row, false, &notices);
+    if (row != NULL || failure_count + notice_count > 0) {
+        pl_text_add_element(&j->cases, "  <testcase classname=\"plumb.",
+                            row == NULL ? "gate" : row->name, "\"");
+        pl_text_add_element(&j->cases, " name=\"", row == NULL ? "rules and notices" : row->label,
+                            "\">");
+        if (failure_count > 0) {
+            pl_text_format(&j->cases, "\n    <failure message=\"%d failure%s\">%s</failure>",
+                           failure_count, plural(failure_count), failures.data);
+        }
+        if (notice_count > 0) {
+            pl_text_format(&j->cases, "\n    <system-out>%s</system-out>", notices.data);
+        }
+        pl_text_add(&j->cases, "</testcase>\n");
+        ++j->count;
+        j->failed += failure_count > 0;
     }
-    if (notices > 0) {
-        pl_text_add(text, "\n    <system-out>");
-        add_entries(verdict, row, false, text);
-        pl_text_add(text, "</system-out>");
-    }
-    pl_text_add(text, "</testcase>\n");
-}
-
-static bool is_missing(const pl_gate_verdict *verdict, int index)
-{
-    return pl_gate_rows_find(verdict->now, verdict->before->items[index].key) == NULL;
+    pl_text_free(&failures);
+    pl_text_free(&notices);
 }
 
 static void write_junit(const pl_gate_verdict *verdict, pl_text_buffer *text)
 {
-    bool has_others = count_of(verdict, NULL, true) + count_of(verdict, NULL, false) > 0;
-    int cases = verdict->now->count + has_others;
-    int failed = count_of(verdict, NULL, true) > 0;
+    junit j = {.verdict = verdict};
     for (int i = 0; i < verdict->now->count; ++i) {
-        failed += count_of(verdict, &verdict->now->items[i], true) > 0;
+        add_case(&j, &verdict->now->items[i]);
     }
     for (int i = 0; verdict->before != NULL && i < verdict->before->count; ++i) {
-        cases += is_missing(verdict, i);
-        failed += is_missing(verdict, i);
+        if (pl_gate_rows_find(verdict->now, verdict->before->items[i].key) == NULL) {
+            add_case(&j, &verdict->before->items[i]);
+        }
     }
+    add_case(&j, NULL);
     pl_text_format(text,
                    "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
                    "<testsuites>\n<testsuite name=\"plumb gate\" tests=\"%d\" failures=\"%d\" "
-                   "errors=\"0\" skipped=\"0\">\n",
-                   cases, failed);
-    for (int i = 0; i < verdict->now->count; ++i) {
-        add_case(verdict, &verdict->now->items[i], text);
-    }
-    for (int i = 0; verdict->before != NULL && i < verdict->before->count; ++i) {
-        if (is_missing(verdict, i)) {
-            add_case(verdict, &verdict->before->items[i], text);
-        }
-    }
-    if (has_others) {
-        add_case(verdict, NULL, text);
-    }
-    pl_text_add(text, "</testsuite>\n</testsuites>\n");
+                   "errors=\"0\" skipped=\"0\">\n%s</testsuite>\n</testsuites>\n",
+                   j.count, j.failed, j.cases.data == NULL ? "" : j.cases.data);
+    pl_text_free(&j.cases);
 }
 
 /* ---- JSON ---- */
@@ -326,8 +252,6 @@ static void write_json(const pl_gate_verdict *verdict, pl_text_buffer *buffer)
     pl_text_add(buffer, "\n");
     json_decref(json);
 }
-
-const char *const pl_gate_format_names[PL_GATE_FORMAT_COUNT] = {"text", "junit", "github", "json"};
 
 void pl_gate_write(pl_gate_format format, const pl_gate_verdict *verdict, pl_text_buffer *out)
 {
