@@ -54,6 +54,8 @@ grep -q 'the cheapest found for value_error' report.text || note_failure "plumb 
 mkdir part
 head -n 30 saved/results.jsonl >part/results.jsonl
 "$PLUMB" report part --out concluded >/dev/null 2>err || note_failure "a part is not concluded: $(cat err)"
+grep -q 'not come to its end' concluded/tune.md || note_failure "a part is not marked: $(cat concluded/tune.md)"
+grep -q 'not come to its end' saved/tune.md && note_failure "a whole tuning is marked as a part"
 head -n 1 saved/results.jsonl >part/results.jsonl
 "$PLUMB" report part --out none >/dev/null 2>err && note_failure "one result was concluded"
 grep -q 'no trial yet' err || note_failure "one result: $(cat err)"
@@ -62,6 +64,7 @@ import json
 rows = [json.loads(line) for line in open("saved/results.jsonl")]
 found = json.load(open("saved/tune.json"))
 part = json.load(open("concluded/tune.json"))
+assert found["finished"] is True and part["finished"] is False
 studies = [row["study"] for row in rows]
 assert found["runs"] == len(rows) == len({row["run"] for row in rows})
 assert part["trials"] == found["trials"][:len(part["trials"]) - 1] + part["trials"][-1:]

@@ -80,13 +80,13 @@ static void test_bad_targets_are_refused(void **state)
     check_bad_target("state_hash<=1", "lower is not better");
 }
 
-static pl_target_reading reading_of(const pl_targets *targets, const char *outcome, double value)
+static double excess_of(const pl_targets *targets, const char *outcome, double value)
 {
     json_t *result = json_pack("{s:s, s:{s:{s:o}}}", "outcome", outcome, "metrics", "drift",
                                "value", isnan(value) ? json_null() : json_real(value));
-    const pl_target_reading reading = pl_target_read(targets, result);
+    const double excess = pl_targets_excess(targets, result);
     json_decref(result);
-    return reading;
+    return excess;
 }
 
 static void test_target_is_met_only_by_ok_runs(void **state)
@@ -99,27 +99,18 @@ static void test_target_is_met_only_by_ok_runs(void **state)
     pl_target_text(&below.items[0], text);
     assert_string_equal(text, "drift<0.001");
     const double above = nextafter(1e-3, 1), under = nextafter(1e-3, 0);
-    assert_true(reading_of(&at_most, "ok", 1e-3).excess <= 0);
-    assert_true(reading_of(&below, "ok", 1e-3).excess > 0);
-    assert_true(reading_of(&below, "ok", under).excess <= 0);
-    assert_true(reading_of(&at_most, "ok", above).excess > 0);
-    assert_close(reading_of(&at_most, "ok", 1e-2).excess, log(10), 1e-12, 0);
-    assert_true(reading_of(&at_most, "ok", 0).excess <= 0);
-    assert_true(reading_of(&at_most, "collapsed", 1e-9).excess > 0);
-    assert_true(reading_of(&at_most, "collapsed", 1).excess > reading_of(&at_most, "ok", 1).excess);
-    assert_true(reading_of(&at_most, "ok", (double)NAN).excess == PL_SEARCH_WORST);
+    assert_true(excess_of(&at_most, "ok", 1e-3) <= 0);
+    assert_true(excess_of(&below, "ok", 1e-3) > 0);
+    assert_true(excess_of(&below, "ok", under) <= 0);
+    assert_true(excess_of(&at_most, "ok", above) > 0);
+    assert_close(excess_of(&at_most, "ok", 1e-2), log(10), 1e-12, 0);
+    assert_true(excess_of(&at_most, "ok", 0) <= 0);
+    assert_true(excess_of(&at_most, "collapsed", 1e-9) > 0);
+    assert_true(excess_of(&at_most, "collapsed", 1) > excess_of(&at_most, "ok", 1));
+    assert_true(excess_of(&at_most, "ok", (double)NAN) == PL_SEARCH_WORST);
     /* Among several targets, the one that is missed by most. */
     assert_int_equal(pl_target_add(&at_most, "drift<=1e-4", NULL), PL_OK);
-    assert_close(reading_of(&at_most, "ok", 1e-2).excess, log(100), 1e-12, 0);
-}
-
-static double likely(const double *excesses, int count)
-{
-    pl_spread spread = {.count = 0};
-    for (int i = 0; i < count; ++i) {
-        pl_spread_add(&spread, excesses[i]);
-    }
-    return pl_spread_likely(&spread);
+    assert_close(excess_of(&at_most, "ok", 1e-2), log(100), 1e-12, 0);
 }
 
 static void test_scattered_errors_need_two_standard_deviations(void **state)
@@ -127,28 +118,11 @@ static void test_scattered_errors_need_two_standard_deviations(void **state)
     (void)state;
     const double same[] = {-0.5, -0.5, -0.5}, scattered[] = {-2, -1, 0};
     const double clear[] = {-28, -4, -11}, one[] = {-1};
-    assert_close(likely(same, 3), -0.5, 1e-12, 0);
-    assert_close(likely(scattered, 3), -1 + 2 * 1.0, 1e-12, 0);
-    assert_close(likely(one, 1), -1, 1e-12, 0);
+    assert_close(pl_likely_excess(same, 3), -0.5, 1e-12, 0);
+    assert_close(pl_likely_excess(scattered, 3), -1 + 2 * 1.0, 1e-12, 0);
+    assert_close(pl_likely_excess(one, 1), -1, 1e-12, 0);
     /* Far below the target, how far does not matter. */
-    assert_true(likely(clear, 3) <= -2.9);
-}
-
-static pl_reading timed(double *seconds)
-{
-    return (pl_reading){.is_there = true, .seconds = seconds};
-}
-
-static void test_cost_ratio_is_the_median_of_paired_repeats(void **state)
-{
-    (void)state;
-    /* The machine becomes ten times slower, for both; one repeat of one has no time. */
-    double mine[] = {2, 2, 20, 40, (double)NAN}, theirs[] = {1, 1, 10, 10, 10};
-    const pl_reading a = timed(mine), b = timed(theirs);
-    assert_close(pl_score_ratio(&a, &b, 0, 5), 2, 1e-12, 0);
-    assert_close(pl_score_ratio(&a, &b, 2, 4), 3, 1e-12, 0);
-    assert_close(pl_score_ratio(&a, NULL, 0, 2), 2, 1e-12, 0);
-    assert_true(isnan(pl_score_ratio(&a, &b, 4, 5)));
+    assert_true(pl_likely_excess(clear, 3) <= -2.9);
 }
 
 static pl_engine_choice choose(const char *spec)
@@ -437,7 +411,6 @@ int main(void)
         cmocka_unit_test(test_bad_targets_are_refused),
         cmocka_unit_test(test_target_is_met_only_by_ok_runs),
         cmocka_unit_test(test_scattered_errors_need_two_standard_deviations),
-        cmocka_unit_test(test_cost_ratio_is_the_median_of_paired_repeats),
         cmocka_unit_test(test_parameter_tables_lie_within_engine_ranges),
         cmocka_unit_test(test_varied_fixed_and_given_parameters_are_kept),
         cmocka_unit_test(test_a_long_command_keeps_all_options_or_is_refused),

@@ -15,16 +15,18 @@ typedef struct made_up {
 
 /* The default settings take 2 µs a step. Trial 1 is the cheapest that meets the target, and trial 2 misses it by 10. */
 static const made_up runs[] = {
-    {"search", -1, 0, 5e-3, 2e-6, 1},      {"search", 0, 20, 1e-4, 6e-6, 4},
-    {"search", 0, 0, 5e-3, 2e-6, 4},       {"search", 1, 10, 5e-4, 4e-6, 4},
-    {"search", 1, 0, 5e-3, 2e-6, 4},       {"search", 2, 5, 1e-2, 1e-6, 1},
-    {"search", 2, 0, 5e-3, 2e-6, 1},       {"final", -1, 0, 5e-3, 2e-6, 5},
-    {"final", 0, 20, 1e-4, 6e-6, 5},       {"final", 1, 10, 5e-4, 5e-6, 5},
-    {"sensitivity", 1, 10, 5e-4, 4e-6, 4}, {"sensitivity", 1, 11, 4e-4, 4.4e-6, 4},
-    {"sensitivity", 1, 9, 2e-3, 3.6e-6, 4}};
+    {"search", -1, 0, 5e-3, 2e-6, 1},       {"search", 0, 20, 1e-4, 6e-6, 4},
+    {"search", 0, 0, 5e-3, 2e-6, 4},        {"search", 1, 10, 5e-4, 4e-6, 4},
+    {"search", 1, 0, 5e-3, 2e-6, 4},        {"search", 2, 5, 1e-2, 1e-6, 1},
+    {"search", 2, 0, 5e-3, 2e-6, 1},        {"final", -1, 0, 5e-3, 2e-6, 5},
+    {"final", 0, 20, 1e-4, 6e-6, 5},        {"final", 1, 10, 5e-4, 5e-6, 5},
+    {"sensitivity", 1, 9, 2e-3, 3.6e-6, 4}, {"sensitivity", 1, 11, 4e-4, 4.4e-6, 4},
+    {"sensitivity", 1, 10, 5e-4, 4e-6, 4}};
 
+/* The machine becomes slower from repeat to repeat, for all settings. */
 static json_t *result_of(const made_up *run, int repeat, const char *target)
 {
+    const double time = run->time * (1 + repeat);
     json_t *study = json_pack(
         "{s:s, s:s, s:n, s:[s], s:[s], s:i, s:[s], s:[{s:s, s:f, s:f}], s:i, s:s, s:o, s:o, s:i, "
         "s:s, s:s, s:[s]}",
@@ -38,7 +40,7 @@ static json_t *result_of(const made_up *run, int repeat, const char *target)
                      "outcome", "ok", "engine", "some", "profile", "fast", "repeat", repeat,
                      "study", study, "settings", "dt", 0.01, "duration", 1.0, "iterations",
                      run->value, "metrics", "drift", "value", run->drift, "time_per_step", "value",
-                     run->time);
+                     time);
 }
 
 static json_t *all_results(bool backwards)
@@ -117,6 +119,32 @@ static void test_the_order_of_results_does_not_matter(void **state)
     json_decref(other);
 }
 
+/* Whether the conclusion says so of the first `count` results. */
+static bool is_finished(size_t count)
+{
+    json_t *results = all_results(false), *conclusion = NULL;
+    while (json_array_size(results) > count) {
+        json_array_remove(results, json_array_size(results) - 1);
+    }
+    assert_int_equal(pl_tune_study.conclude(results, ".", &conclusion, NULL), PL_OK);
+    const bool finished = json_is_true(json_object_get(conclusion, "finished"));
+    json_decref(results);
+    json_decref(conclusion);
+    return finished;
+}
+
+static void test_a_tuning_that_lacks_runs_is_unfinished(void **state)
+{
+    (void)state;
+    json_t *results = all_results(false);
+    const size_t all = json_array_size(results);
+    json_decref(results);
+    assert_true(is_finished(all));
+    for (size_t count = 1 + 4; count < all; ++count) {
+        assert_false(is_finished(count));
+    }
+}
+
 static void check_refused(json_t *results, const char *part)
 {
     json_t *conclusion = NULL;
@@ -145,6 +173,7 @@ int main(void)
         cmocka_unit_test(test_the_cheapest_that_meets_the_target_is_chosen),
         cmocka_unit_test(test_sensitivities_are_of_the_settings_near_the_answer),
         cmocka_unit_test(test_the_order_of_results_does_not_matter),
+        cmocka_unit_test(test_a_tuning_that_lacks_runs_is_unfinished),
         cmocka_unit_test(test_results_that_do_not_belong_together_are_refused),
     };
     return cmocka_run_group_tests_name("tune conclusion", tests, NULL, NULL);

@@ -81,26 +81,25 @@ static double excess_of(const pl_target *target, double value)
     return fmax(fmin(excess, 0), -PL_SEARCH_WORST);
 }
 
-pl_target_reading pl_target_read(const pl_targets *targets, const json_t *result)
+double pl_targets_excess(const pl_targets *targets, const json_t *result)
 {
-    pl_target_reading reading = {.excess = -PL_SEARCH_WORST};
+    double excess = -PL_SEARCH_WORST;
     for (int i = 0; i < targets->count; ++i) {
         const pl_target *target = &targets->items[i];
-        reading.values[i] = pl_result_metric(result, pl_metric_table[target->metric].name);
-        reading.excess = fmax(reading.excess, excess_of(target, reading.values[i]));
+        const char *name = pl_metric_table[target->metric].name;
+        excess = fmax(excess, excess_of(target, pl_result_metric(result, name)));
     }
-    if (strcmp(pl_json_get_text(result, "outcome"), "ok") != 0) {
-        reading.excess = fmin(fmax(reading.excess, 0) + failed_run, PL_SEARCH_WORST);
-    }
-    return reading;
+    return strcmp(pl_json_get_text(result, "outcome"), "ok") == 0
+               ? excess
+               : fmin(fmax(excess, 0) + failed_run, PL_SEARCH_WORST);
 }
 
-json_t *pl_target_values(const pl_targets *targets, const pl_target_reading *reading)
+json_t *pl_targets_values(const pl_targets *targets, const json_t *result)
 {
     json_t *values = json_object();
     for (int i = 0; i < targets->count; ++i) {
-        json_object_set_new(values, pl_metric_table[targets->items[i].metric].name,
-                            pl_json_number_or_null(reading->values[i]));
+        const char *name = pl_metric_table[targets->items[i].metric].name;
+        json_object_set_new(values, name, pl_json_number_or_null(pl_result_metric(result, name)));
     }
     return values;
 }

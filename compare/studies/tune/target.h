@@ -29,18 +29,12 @@ pl_status pl_target_add(pl_targets *targets, const char *text, pl_error *error);
 /* The target as pl_target_add reads it. */
 void pl_target_text(const pl_target *target, char text[96]);
 
-/* A result held against the targets. */
-typedef struct pl_target_reading {
-    double values[PL_TUNE_MOST_TARGETS]; /* NAN: missing */
-    /* The largest ln(value / bound) over the targets, which are met where it is <= 0. It is larger
-     * where the run's outcome is not ok or a value is missing. */
-    double excess;
-} pl_target_reading;
+/* The largest ln(value / bound) of a plumb.result/1 over the targets, which are met where it is <= 0: at most
+ * PL_SEARCH_WORST, which it is where a value or the result (NULL) is missing. It is larger where the run's outcome is
+ * not ok. */
+double pl_targets_excess(const pl_targets *targets, const json_t *result);
 
-/* Reads the values of the targets' metrics from a plumb.result/1. */
-pl_target_reading pl_target_read(const pl_targets *targets, const json_t *result);
-
-/* The values of the targets' metrics, by their names: null where one is missing. A new reference. */
-json_t *pl_target_values(const pl_targets *targets, const pl_target_reading *reading);
+/* The values of the targets' metrics of a result, by their names: null where one is missing. A new reference. */
+json_t *pl_targets_values(const pl_targets *targets, const json_t *result);
 
 #endif

@@ -15,7 +15,7 @@ static void log_evaluation(const pl_tuner *t, const pl_evaluation *evaluation)
     }
     FILE *out = t->how->progress;
     const pl_setting setting =
-        pl_tune_setting(t->def->space, pl_tuner_trial(t, evaluation->trial).values);
+        pl_tune_setting(t->def->space, pl_tuner_trial(t, "search", evaluation->trial).values);
     fprintf(out, "[%d/%d] %s at 1/%.4g s: cost x %.3g, ", evaluation->trial + 1, t->def->budget,
             setting.choice.spec, 1 / setting.dt, evaluation->cost);
     if (evaluation->excess >= PL_SEARCH_WORST) {
@@ -42,14 +42,14 @@ static pl_status measure(void *user, pl_evaluation *evaluation, bool *stop, pl_e
     return status;
 }
 
-/* Measures the answer with each parameter moved either way. */
+/* Measures the answer with each parameter moved either way, and then as it is: these are the last runs of a tuning. */
 static pl_status vary_answer(pl_tuner *t, pl_error *error)
 {
     const pl_tune_space *space = t->def->space;
-    const int trial = t->best.trial;
-    pl_subject subjects[2 * PL_TUNE_MAX_PARAMETERS + 1] = {pl_tuner_trial(t, trial)};
+    const pl_subject answer = pl_tuner_trial(t, "sensitivity", t->best.trial);
+    pl_subject subjects[2 * PL_TUNE_MAX_PARAMETERS + 1];
     json_t *moved = json_array();
-    int count = 1;
+    int count = 0;
     for (int i = 0; i < 2 * space->parameter_count; ++i) {
         double values[PL_TUNE_MAX_PARAMETERS];
         const int k = i / 2;
@@ -58,16 +58,13 @@ static pl_status vary_answer(pl_tuner *t, pl_error *error)
         if (values[k] != t->best.values[k]) {
             json_t *point = pl_tune_values(space, values);
             json_array_append_new(moved, point);
-            subjects[count++] = (pl_subject){trial, point};
+            subjects[count] = answer;
+            subjects[count++].values = point;
         }
     }
-    const pl_tuner_runs runs = {.phase = "sensitivity",
-                                .subjects = subjects,
-                                .count = count,
-                                .repeats = t->by_instructions ? 1 : PL_TUNER_REPEATS};
-    pl_readings readings = {.repeats = 0};
-    const pl_status status = count > 1 ? pl_tuner_measure(t, runs, &readings, error) : PL_OK;
-    pl_readings_free(&readings);
+    subjects[count++] = answer;
+    const pl_status status =
+        pl_tuner_measure(t, subjects, count, pl_tuner_sensitivity_repeats(t), error);
     json_decref(moved);
     return status;
 }

@@ -250,6 +250,11 @@ void pl_tune_fill_document(const json_t *conclusion, pl_document *document)
         document,
         met ? "%s:%s, the cheapest found for %s" : "%s:%s: no settings found meet %s; the nearest",
         pl_json_get_text(conclusion, "engine"), pl_json_get_text(conclusion, "profile"), all);
+    if (json_is_false(json_object_get(conclusion, "finished"))) {
+        pl_document_paragraph(document,
+                              "The tuning has not come to its end: this follows from its runs so "
+                              "far, and plumb tune --resume goes on.");
+    }
     add_settings(document, conclusion);
     add_scores(document, conclusion, metrics);
     add_sensitivities(document, conclusion);

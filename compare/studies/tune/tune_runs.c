@@ -1,4 +1,4 @@
-/* The runs of a tuning: which they are, how they are made, and what their results say. */
+/* The runs of a tuning: which they are, and how they are made. */
 #include "base/heap.h"
 #include "studies/tunable.h"
 #include "tuner.h"
@@ -55,19 +55,22 @@ bool pl_tuner_is_of(const json_t *study, const json_t *run)
     return same;
 }
 
-/* The `study` of the runs of a subject on a case. */
-static json_t *study_of(const pl_tuner *t, const pl_tuner_runs *runs, pl_subject subject,
-                        int test_case)
+static const pl_variant *variant_of(const pl_subject *subject)
 {
-    const pl_variant *variant = runs->variant == NULL ? &pl_variant_none : runs->variant;
+    return subject->variant == NULL ? &pl_variant_none : subject->variant;
+}
+
+/* The `study` of the runs of a subject on a case. */
+static json_t *study_of(const pl_tuner *t, const pl_subject *subject, int test_case)
+{
     json_t *study = json_copy(t->study);
-    json_object_set_new(study, "phase", json_string(runs->phase));
+    json_object_set_new(study, "phase", json_string(subject->phase));
     json_object_set_new(study, "trial",
-                        subject.trial < 0 ? json_null() : json_integer(subject.trial));
+                        subject->trial < 0 ? json_null() : json_integer(subject->trial));
     json_object_set_new(study, "values",
-                        subject.values == NULL ? json_null() : json_deep_copy(subject.values));
+                        subject->values == NULL ? json_null() : json_deep_copy(subject->values));
     json_object_set_new(study, "case", json_integer(test_case));
-    json_object_set_new(study, "variant", json_string(variant->name));
+    json_object_set_new(study, "variant", json_string(variant_of(subject)->name));
     return study;
 }
 
@@ -85,26 +88,33 @@ static char *key_of(const json_t *study, int repeat)
     return text;
 }
 
-static const json_t *find_row(const pl_tuner *t, const json_t *study, int repeat)
+static bool has_item(const json_t *array, const json_t *wanted)
 {
-    char *key = key_of(study, repeat);
-    const json_t *row = json_object_get(t->rows, key);
-    free(key);
-    return row;
+    size_t index;
+    const json_t *item;
+    json_array_foreach(array, index, item)
+    {
+        if (json_equal(item, wanted)) {
+            return true;
+        }
+    }
+    return false;
 }
 
+/* Keeps the values of a run: those of a trial once, because subjects borrow them. */
 static void note_point(pl_tuner *t, const json_t *study)
 {
     json_t *values = json_object_get(study, "values");
     const json_int_t trial = json_integer_value(json_object_get(study, "trial"));
+    const char *phase = pl_json_get_text(study, "phase");
     while (json_is_array(values) && (json_int_t)json_array_size(t->points) <= trial) {
         json_array_append_new(t->points, json_null());
     }
-    if (json_is_array(values) && strcmp(pl_json_get_text(study, "phase"), "search") == 0 &&
+    if (json_is_array(values) && strcmp(phase, "search") == 0 &&
         json_is_null(json_array_get(t->points, (size_t)trial))) {
         json_array_set(t->points, (size_t)trial, values);
-    } else if (json_is_array(values) &&
-               strcmp(pl_json_get_text(study, "phase"), "sensitivity") == 0) {
+    } else if (json_is_array(values) && strcmp(phase, "sensitivity") == 0 &&
+               !has_item(t->moved, values)) {
         json_array_append(t->moved, values);
     }
 }
@@ -118,10 +128,12 @@ void pl_tuner_take(pl_tuner *t, json_t *result)
     note_point(t, study);
 }
 
-const json_t *pl_tuner_row(const pl_tuner *t, const char *phase, pl_subject subject, int test_case)
+const json_t *pl_tuner_row(const pl_tuner *t, const pl_subject *subject, int test_case, int repeat)
 {
-    json_t *study = study_of(t, &(pl_tuner_runs){.phase = phase}, subject, test_case);
-    const json_t *row = find_row(t, study, 0);
+    json_t *study = study_of(t, subject, test_case);
+    char *key = key_of(study, repeat);
+    const json_t *row = json_object_get(t->rows, key);
+    free(key);
     json_decref(study);
     return row;
 }
@@ -137,21 +149,6 @@ static pl_limits limits_of(const pl_tuner *t)
         limits.timeout = fmin(limits.timeout, fmax(least, patience * t->best_seconds));
     }
     return limits;
-}
-
-static pl_setting setting_of(const pl_tuner *t, pl_subject subject)
-{
-    const pl_tune_space *space = t->def->space;
-    return subject.values == NULL ? (pl_setting){pl_tune_defaults(&space->base), (double)NAN}
-                                  : pl_tune_setting(space, subject.values);
-}
-
-/* What a conclusion says of settings that are not the default ones. */
-static void describe(json_t *study, const pl_setting *setting)
-{
-    const char *spec = setting->choice.spec;
-    json_object_set_new(study, "spec", pl_json_text(spec));
-    json_object_set_new(study, "api", pl_tune_api(&setting->choice, setting->dt));
 }
 
 /* Adds the scenario with the step of a setting to the plan; *index is -1 when it cannot be built so. */
@@ -173,26 +170,29 @@ static pl_status add_case(pl_plan *plan, const pl_case *test_case, const pl_vari
     return status == PL_BAD_INPUT && is_changed ? PL_OK : status;
 }
 
-/* Adds the runs of a subject on all cases. */
-static pl_status add_subject(const pl_tuner *t, const pl_tuner_runs *runs, int number,
-                             pl_plan *plan, pl_error *error)
+/* Adds the runs of a subject on all cases. They say of settings that are not the default ones what a conclusion does. */
+static pl_status add_subject(const pl_tuner *t, const pl_subject *subject, pl_plan *plan,
+                             pl_error *error)
 {
     const pl_plan *asked = t->def->plan;
-    const pl_subject subject = runs->subjects[number];
-    const pl_variant *variant = runs->variant == NULL ? &pl_variant_none : runs->variant;
-    const pl_setting setting = setting_of(t, subject);
+    const pl_tune_space *space = t->def->space;
+    const pl_setting setting = subject->values == NULL
+                                   ? (pl_setting){pl_tune_defaults(&space->base), (double)NAN}
+                                   : pl_tune_setting(space, subject->values);
     char label[PL_LABEL_SIZE];
     pl_engine_choice_label(&setting.choice, label);
     const int configuration = pl_plan_add_choice(plan, &setting.choice, label);
     pl_status status = PL_OK;
     for (int p = 0; p < asked->case_count && status == PL_OK; ++p) {
-        json_t *study = study_of(t, runs, subject, p);
+        json_t *study = study_of(t, subject, p);
         int index = -1;
-        if (subject.values != NULL) {
-            describe(study, &setting);
+        if (subject->values != NULL) {
+            json_object_set_new(study, "spec", pl_json_text(setting.choice.spec));
+            json_object_set_new(study, "api", pl_tune_api(&setting.choice, setting.dt));
         }
         plan->study = study;
-        status = add_case(plan, &asked->cases[p], variant, asked->seed, setting.dt, &index, error);
+        status = add_case(plan, &asked->cases[p], variant_of(subject), asked->seed, setting.dt,
+                          &index, error);
         if (status == PL_OK && index >= 0) {
             pl_plan_add_pairing(plan, index, configuration);
         }
@@ -213,14 +213,18 @@ static pl_status take(void *user, json_t *result, pl_error *error)
     return PL_OK;
 }
 
-static pl_status make_runs(pl_tuner *t, const pl_tuner_runs *runs, pl_error *error)
+pl_status pl_tuner_measure(pl_tuner *t, const pl_subject *subjects, int count, int repeats,
+                           pl_error *error)
 {
-    const bool own_seed = runs->variant != NULL && runs->variant->kind == PL_VARIANT_OFFSET;
-    pl_plan plan = {.repeats = runs->repeats,
-                    .seed = t->def->plan->seed + (own_seed ? (uint64_t)runs->variant->seed : 0)};
+    if (t->def == NULL) {
+        return PL_OK;
+    }
+    const pl_variant *variant = variant_of(&subjects[0]);
+    const int own_seed = variant->kind == PL_VARIANT_OFFSET ? variant->seed : 0;
+    pl_plan plan = {.repeats = repeats, .seed = t->def->plan->seed + (uint64_t)own_seed};
     pl_status status = PL_OK;
-    for (int s = 0; s < runs->count && status == PL_OK; ++s) {
-        status = add_subject(t, runs, s, &plan, error);
+    for (int s = 0; s < count && status == PL_OK; ++s) {
+        status = add_subject(t, &subjects[s], &plan, error);
     }
     if (status == PL_OK && plan.pairing_count > 0) {
         pl_execution_def execution = *t->how;
@@ -232,77 +236,5 @@ static pl_status make_runs(pl_tuner *t, const pl_tuner_runs *runs, pl_error *err
         status = pl_execute(&execution, &t->signal_number, error);
     }
     pl_plan_free(&plan);
-    return status;
-}
-
-/* ---- Reading results ---- */
-
-const pl_reading *pl_readings_of(const pl_readings *readings, int subject)
-{
-    return &readings->items[subject * readings->case_count];
-}
-
-void pl_readings_free(pl_readings *readings)
-{
-    free(readings->items);
-    free(readings->numbers);
-    *readings = (pl_readings){.repeats = 0};
-}
-
-static pl_readings make_room(const pl_tuner *t, const pl_tuner_runs *runs)
-{
-    const size_t count = (size_t)runs->count * (size_t)t->case_count;
-    const size_t repeats = (size_t)runs->repeats;
-    pl_readings r = {.subject_count = runs->count,
-                     .case_count = t->case_count,
-                     .repeats = runs->repeats,
-                     .items = pl_heap_new(count, sizeof *r.items),
-                     .numbers = pl_heap_new(2 * count * repeats, sizeof *r.numbers)};
-    for (size_t i = 0; i < 2 * count * repeats; ++i) {
-        r.numbers[i] = (double)NAN;
-    }
-    for (size_t i = 0; i < count; ++i) {
-        r.items[i].seconds = &r.numbers[2 * i * repeats];
-        r.items[i].instructions = r.items[i].seconds + repeats;
-        r.items[i].target.excess = PL_SEARCH_WORST;
-    }
-    return r;
-}
-
-/* A number per simulated second; NAN where it is not positive. */
-static double rate_of(const json_t *result, pl_metric_id id)
-{
-    const double dt = json_number_value(json_object_get(json_object_get(result, "settings"), "dt"));
-    const double value = pl_result_metric(result, pl_metric_table[id].name);
-    return value > 0 ? value / dt : (double)NAN;
-}
-
-static void read_row(const pl_tuner *t, const json_t *row, int repeat, pl_reading *reading)
-{
-    reading->is_there = true;
-    reading->target = pl_target_read(&t->targets, row);
-    snprintf(reading->outcome, sizeof reading->outcome, "%s", pl_json_get_text(row, "outcome"));
-    reading->is_absent = strcmp(reading->outcome, "unsupported") == 0;
-    reading->duration =
-        json_number_value(json_object_get(json_object_get(row, "settings"), "duration"));
-    reading->seconds[repeat] = rate_of(row, PL_METRIC_TIME_PER_STEP);
-    reading->instructions[repeat] = rate_of(row, PL_METRIC_INSTRUCTIONS_PER_STEP);
-}
-
-pl_status pl_tuner_measure(pl_tuner *t, pl_tuner_runs runs, pl_readings *readings, pl_error *error)
-{
-    runs.repeats = runs.repeats == 0 ? 1 : runs.repeats;
-    const pl_status status = t->def == NULL ? PL_OK : make_runs(t, &runs, error);
-    *readings = make_room(t, &runs);
-    for (int i = 0; i < runs.count * t->case_count; ++i) {
-        json_t *study = study_of(t, &runs, runs.subjects[i / t->case_count], i % t->case_count);
-        for (int k = 0; k < runs.repeats; ++k) {
-            const json_t *row = find_row(t, study, k);
-            if (row != NULL) {
-                read_row(t, row, k, &readings->items[i]);
-            }
-        }
-        json_decref(study);
-    }
     return status;
 }

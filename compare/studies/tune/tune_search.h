@@ -65,13 +65,12 @@ typedef struct pl_search_result {
     int best; /* the cheapest that meets the target, else the one of least excess; -1: none */
     bool met;
     bool stopped;
-    int sampled, optimised, refined; /* evaluations of each stage */
 } pl_search_result;
 
 /* Evaluates low-discrepancy points over the space, in half of which a parameter that spends no time
- * stays at its start; then runs NLopt from the best of them; then steps along each parameter and in
- * seeded directions around the best point. Equal seeds and equal answers give equal points. The
- * caller frees result->evaluations in any case. What `measure` returned. */
+ * stays at its start; then runs NLopt from the best point at which it has not begun yet, until the budget is spent.
+ * Equal seeds and equal answers give equal points. The caller frees result->evaluations in any case. What `measure`
+ * returned. */
 pl_status pl_search(const pl_search_def *def, pl_search_result *result, pl_error *error);
 
 /* Adds an evaluation, for which the result has room. */

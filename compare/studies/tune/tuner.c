@@ -1,15 +1,13 @@
-/* Costs and excesses from the readings of settings next to the default settings, and the evaluations of the search. */
+/* Costs and excesses of settings next to the default settings, the evaluations of the search, and the choice among
+ * them. */
 #include "tuner.h"
 
 #include "base/heap.h"
 #include "base/statistics.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { MOST_REPEATS = 64 };
 
 pl_tuner pl_tuner_begin(json_t *study, pl_error *error)
 {
@@ -28,8 +26,6 @@ pl_tuner pl_tuner_begin(json_t *study, pl_error *error)
             break;
         }
     }
-    t.default_instructions = pl_heap_new((size_t)t.case_count + 1, sizeof *t.default_instructions);
-    t.spreads = pl_heap_new((size_t)t.case_count + 1, sizeof *t.spreads);
     return t;
 }
 
@@ -40,20 +36,28 @@ void pl_tuner_free(pl_tuner *t)
     json_decref(t->points);
     json_decref(t->moved);
     json_decref(t->checks);
-    free(t->default_instructions);
-    free(t->spreads);
     free(t->found.evaluations);
-    pl_readings_free(&t->final);
 }
 
 /* ---- Costs and excesses ---- */
 
-double pl_score_ratio(const pl_reading *reading, const pl_reading *other, int first, int repeats)
+/* A metric per simulated second; NAN where it is not positive. */
+static double rate_of(const json_t *row, pl_metric_id id)
 {
-    double ratios[MOST_REPEATS];
+    const double dt = json_number_value(json_object_get(json_object_get(row, "settings"), "dt"));
+    const double value = pl_result_metric(row, pl_metric_table[id].name);
+    return value > 0 ? value / dt : (double)NAN;
+}
+
+double pl_tuner_ratio(const pl_tuner *t, pl_metric_id metric, const pl_subject *mine,
+                      const pl_subject *other, int test_case, int first, int end)
+{
+    double ratios[PL_TUNE_REPEATS];
     int count = 0;
-    for (int i = first; i < repeats && count < MOST_REPEATS; ++i) {
-        const double ratio = reading->seconds[i] / (other == NULL ? 1 : other->seconds[i]);
+    for (int i = first; i < end; ++i) {
+        const double rate = rate_of(pl_tuner_row(t, mine, test_case, i), metric);
+        const double ratio =
+            other == NULL ? rate : rate / rate_of(pl_tuner_row(t, other, test_case, i), metric);
         if (isfinite(ratio)) {
             ratios[count++] = ratio;
         }
@@ -61,87 +65,79 @@ double pl_score_ratio(const pl_reading *reading, const pl_reading *other, int fi
     return pl_median(ratios, count);
 }
 
-void pl_spread_add(pl_spread *spread, double excess)
+double pl_tuner_cost(const pl_tuner *t, pl_metric_id metric, const pl_subject *mine,
+                     const pl_subject *other, int first, int end)
 {
-    const double much = -3; /* ln(1 / 20) */
-    const double value = fmax(excess, much);
-    spread->count += 1;
-    spread->sum += value;
-    spread->squares += value * value;
-}
-
-double pl_spread_likely(const pl_spread *spread)
-{
-    const double mean = spread->sum / spread->count;
-    const double variance = spread->squares / spread->count - mean * mean;
-    const double unbiased =
-        spread->count > 1 ? variance * spread->count / (spread->count - 1.0) : 0;
-    return mean + 2 * sqrt(fmax(unbiased, 0));
-}
-
-static double cost_or_none(double cost)
-{
+    double sum = 0;
+    for (int p = 0; p < t->case_count; ++p) {
+        sum += log(pl_tuner_ratio(t, metric, mine, other, p, first, end));
+    }
+    const double cost = exp(sum / t->case_count);
     return isfinite(cost) ? cost : (double)INFINITY;
 }
 
-double pl_tuner_cost(const pl_tuner *t, const pl_reading *mine, const pl_reading *defaults,
-                     int first, int repeats)
+int pl_tuner_sensitivity_repeats(const pl_tuner *t)
 {
-    double sum = 0;
-    for (int p = 0; p < t->case_count; ++p) {
-        sum += log(
-            pl_score_ratio(&mine[p], t->default_has_cost ? &defaults[p] : NULL, first, repeats));
-    }
-    return cost_or_none(exp(sum / t->case_count));
+    return t->by_instructions ? 1 : PL_TUNER_REPEATS;
 }
 
-/* The same for the instructions of the first repeat. */
-static double instructions_ratio(const pl_tuner *t, const pl_reading *mine)
-{
-    double sum = 0;
-    for (int p = 0; p < t->case_count; ++p) {
-        sum += log(mine[p].instructions[0] / t->default_instructions[p]);
-    }
-    return cost_or_none(exp(sum / t->case_count));
-}
-
-double pl_tuner_excess(const pl_tuner *t, const pl_reading *readings)
+double pl_tuner_excess(const pl_tuner *t, const pl_subject *subject)
 {
     double excess = -PL_SEARCH_WORST;
     for (int p = 0; p < t->case_count; ++p) {
-        excess = fmax(excess, readings[p].target.excess);
+        excess = fmax(excess, pl_targets_excess(&t->targets, pl_tuner_row(t, subject, p, 0)));
     }
     return excess;
 }
 
+double pl_likely_excess(const double *excesses, int count)
+{
+    const double much = -3; /* ln(1 / 20) */
+    double sum = 0, squares = 0;
+    for (int i = 0; i < count; ++i) {
+        const double value = fmax(excesses[i], much);
+        sum += value;
+        squares += value * value;
+    }
+    const double mean = sum / count, variance = squares / count - mean * mean;
+    return mean + 2 * sqrt(count > 1 ? fmax(variance, 0) * count / (count - 1) : 0);
+}
+
 /* ---- Evaluations ---- */
 
-pl_subject pl_tuner_trial(const pl_tuner *t, int trial)
+const pl_subject pl_tuner_defaults = {.phase = "search", .trial = -1};
+
+pl_subject pl_tuner_trial(const pl_tuner *t, const char *phase, int trial)
 {
-    return (pl_subject){trial, json_array_get(t->points, (size_t)trial)};
+    return (pl_subject){
+        .phase = phase, .trial = trial, .values = json_array_get(t->points, (size_t)trial)};
 }
 
 pl_status pl_evaluate_defaults(pl_tuner *t, pl_error *error)
 {
-    const pl_subject defaults = {.trial = -1};
-    pl_readings readings;
-    pl_status status = pl_tuner_measure(
-        t, (pl_tuner_runs){.phase = "search", .subjects = &defaults, .count = 1}, &readings, error);
+    pl_status status = pl_tuner_measure(t, &pl_tuner_defaults, 1, 1, error);
     t->by_instructions = t->default_has_cost = true;
-    for (int p = 0; p < readings.case_count && status == PL_OK && t->signal_number == 0; ++p) {
-        const pl_reading *reading = &pl_readings_of(&readings, 0)[p];
-        if (reading->is_absent) {
-            status = pl_fail(error, PL_UNSUPPORTED, "%s does not do %s",
-                             pl_json_get_text(pl_tuner_row(t, "search", defaults, p), "engine"),
-                             json_string_value(json_array_get(
-                                 json_object_get(t->study, "scenarios"), (size_t)p)));
+    for (int p = 0; p < t->case_count && status == PL_OK && t->signal_number == 0; ++p) {
+        const json_t *row = pl_tuner_row(t, &pl_tuner_defaults, p, 0);
+        if (strcmp(pl_json_get_text(row, "outcome"), "unsupported") == 0) {
+            status =
+                pl_fail(error, PL_UNSUPPORTED, "%s does not do %s", pl_json_get_text(row, "engine"),
+                        json_string_value(
+                            json_array_get(json_object_get(t->study, "scenarios"), (size_t)p)));
         }
-        t->default_instructions[p] = reading->instructions[0];
-        t->by_instructions = t->by_instructions && isfinite(reading->instructions[0]);
-        t->default_has_cost = t->default_has_cost && isfinite(reading->seconds[0]);
+        t->by_instructions =
+            t->by_instructions && isfinite(rate_of(row, PL_METRIC_INSTRUCTIONS_PER_STEP));
+        t->default_has_cost =
+            t->default_has_cost && isfinite(rate_of(row, PL_METRIC_TIME_PER_STEP));
     }
-    pl_readings_free(&readings);
     return status;
+}
+
+/* The cost in CPU time next to the default settings, which alone counts where these have none. */
+static double cost_in_time(const pl_tuner *t, const pl_subject subjects[2], int first, int end)
+{
+    return pl_tuner_cost(t, PL_METRIC_TIME_PER_STEP, &subjects[0],
+                         t->default_has_cost ? &subjects[1] : NULL, first, end);
 }
 
 /* Whether the cost may turn out to be the lowest when it is measured again. */
@@ -152,93 +148,236 @@ static bool may_be_best(const pl_tuner *t, const pl_evaluation *evaluation)
     return !found->met || evaluation->cost <= near_enough * found->evaluations[found->best].cost;
 }
 
-pl_status pl_evaluation_judge(pl_tuner *t, const pl_reading *asked, pl_variants variants,
-                              pl_evaluation *evaluation, pl_error *error)
+/* The excess that one more run of a case is unlikely to exceed, from the run as asked for and those of the variants. */
+static double likely_excess_of(const pl_tuner *t, pl_subject subject, pl_variants variants,
+                               int test_case)
 {
-    const pl_subject subject = pl_tuner_trial(t, evaluation->trial);
-    pl_status status = PL_OK;
-    for (int p = 0; p < t->case_count; ++p) {
-        t->spreads[p] = (pl_spread){.count = 0};
-        pl_spread_add(&t->spreads[p], asked[p].target.excess);
-    }
-    double worst = pl_tuner_excess(t, asked);
-    for (int i = 0; i < variants.count && status == PL_OK && worst <= 0; ++i) {
-        const pl_tuner_runs runs = {
-            .phase = "search", .subjects = &subject, .count = 1, .variant = &variants.items[i]};
-        pl_readings readings;
-        status = pl_tuner_measure(t, runs, &readings, error);
-        for (int p = 0; p < readings.case_count && status == PL_OK; ++p) {
-            const pl_reading *reading = &pl_readings_of(&readings, 0)[p];
-            if (reading->is_there) {
-                worst = fmax(worst, reading->target.excess);
-                pl_spread_add(&t->spreads[p], reading->target.excess);
-            }
+    double *excesses = pl_heap_new((size_t)variants.count + 1, sizeof *excesses);
+    int count = 0;
+    for (int i = -1; i < variants.count; ++i) {
+        subject.variant = i < 0 ? NULL : &variants.items[i];
+        const json_t *row = pl_tuner_row(t, &subject, test_case, 0);
+        if (row != NULL) {
+            excesses[count++] = pl_targets_excess(&t->targets, row);
         }
-        pl_readings_free(&readings);
-        if (t->signal_number != 0) {
+    }
+    const double likely = pl_likely_excess(excesses, count);
+    free(excesses);
+    return likely;
+}
+
+/* Sets `excess` and `holds` from the runs of the scenarios as asked for, which were made, and from those of the
+ * scenarios as the variants change them, up to the first that misses a target. */
+static pl_status judge(pl_tuner *t, pl_variants variants, pl_evaluation *evaluation,
+                       pl_error *error)
+{
+    const pl_subject asked = pl_tuner_trial(t, "search", evaluation->trial);
+    double worst = pl_tuner_excess(t, &asked);
+    for (int i = 0; i < variants.count && worst <= 0; ++i) {
+        pl_subject changed = asked;
+        changed.variant = &variants.items[i];
+        const pl_status status = pl_tuner_measure(t, &changed, 1, 1, error);
+        for (int p = 0; p < t->case_count; ++p) {
+            const json_t *row = pl_tuner_row(t, &changed, p, 0);
+            worst = row == NULL ? worst : fmax(worst, pl_targets_excess(&t->targets, row));
+        }
+        if (status != PL_OK || t->signal_number != 0) {
             return status;
         }
     }
     evaluation->holds = worst <= 0;
     evaluation->excess = fmin(worst, PL_SEARCH_WORST);
     for (int p = 0; p < t->case_count && evaluation->holds; ++p) {
-        evaluation->excess = fmax(evaluation->excess, pl_spread_likely(&t->spreads[p]));
+        evaluation->excess = fmax(evaluation->excess, likely_excess_of(t, asked, variants, p));
     }
-    return status;
+    return PL_OK;
 }
 
-/* The CPU time of the engine's steps in all runs of the readings. It is that of the results, so that a search that
+/* The CPU time of the engine's steps in the first runs of the subjects. It is that of the results, so that a search that
  * is continued takes the same way. */
-static double seconds_of(const pl_readings *readings)
+static double seconds_of(const pl_tuner *t, const pl_subject *subjects, int count)
 {
     double sum = 0;
-    for (int i = 0; i < readings->subject_count * readings->case_count; ++i) {
-        const pl_reading *reading = &readings->items[i];
-        const double rate = reading->is_there ? reading->seconds[0] : 0;
-        sum += isfinite(rate) ? rate * reading->duration : 0;
+    for (int i = 0; i < count * t->case_count; ++i) {
+        const json_t *row = pl_tuner_row(t, &subjects[i / t->case_count], i % t->case_count, 0);
+        const double rate = rate_of(row, PL_METRIC_TIME_PER_STEP);
+        const json_t *duration = json_object_get(json_object_get(row, "settings"), "duration");
+        sum += isfinite(rate) ? rate * json_number_value(duration) : 0;
     }
     return sum;
 }
 
-/* Times a setting that also meets the targets on the changed scenarios by more repeats. */
-static pl_status time_again(pl_tuner *t, pl_tuner_runs runs, pl_evaluation *evaluation,
-                            pl_error *error)
+/* Measures one repeat, and where times count more repeats of a setting that also meets the targets on the changed
+ * scenarios. The default settings then run next to it, so that drift of the machine affects both. */
+pl_status pl_evaluation_make(pl_tuner *t, pl_evaluation *evaluation, pl_error *error)
 {
-    pl_readings readings;
-    runs.repeats = PL_TUNER_REPEATS;
-    const pl_status status = pl_tuner_measure(t, runs, &readings, error);
-    evaluation->cost = pl_tuner_cost(t, pl_readings_of(&readings, 0), pl_readings_of(&readings, 1),
-                                     1, PL_TUNER_REPEATS);
-    pl_readings_free(&readings);
+    const pl_subject subjects[] = {pl_tuner_trial(t, "search", evaluation->trial),
+                                   {.phase = "search", .trial = evaluation->trial}};
+    const int count = t->by_instructions ? 1 : 2;
+    const pl_search_result *found = &t->found;
+    pl_status status = pl_tuner_measure(t, subjects, count, 1, error);
+    evaluation->cost = t->by_instructions ? pl_tuner_cost(t, PL_METRIC_INSTRUCTIONS_PER_STEP,
+                                                          &subjects[0], &pl_tuner_defaults, 0, 1)
+                                          : cost_in_time(t, subjects, 0, 1);
+    const bool is_near = may_be_best(t, evaluation);
+    if (status == PL_OK && t->signal_number == 0) {
+        status =
+            judge(t, is_near ? pl_variants_tuned_on : (pl_variants){.count = 0}, evaluation, error);
+    }
+    if (status == PL_OK && t->signal_number == 0 && evaluation->holds && is_near &&
+        !t->by_instructions) {
+        status = pl_tuner_measure(t, subjects, count, PL_TUNER_REPEATS, error);
+        evaluation->cost = cost_in_time(t, subjects, 1, PL_TUNER_REPEATS);
+    }
+    if (evaluation->excess <= 0 &&
+        (!found->met || evaluation->cost < found->evaluations[found->best].cost)) {
+        t->best_seconds = seconds_of(t, subjects, count);
+    }
     return status;
 }
 
-/* Measures one repeat. The default settings run next to it, so that drift of the machine affects both. */
-pl_status pl_evaluation_make(pl_tuner *t, pl_evaluation *evaluation, pl_error *error)
+/* ---- The choice of the answer among the evaluations ---- */
+
+/* The most that are measured side by side, and the most evaluations that are checked before it is said that none has a
+ * margin. */
+enum { MOST_FINALISTS = 6, MOST_CANDIDATES = 24 };
+
+typedef struct finalist {
+    pl_evaluation evaluation;
+    double cost; /* measured side by side */
+} finalist;
+
+typedef struct finalists {
+    finalist items[MOST_FINALISTS]; /* (count): in the order in which they are validated */
+    int count;
+    bool have_margin;
+} finalists;
+
+static int by_merit(const void *left, const void *right)
 {
-    const bool counted = t->by_instructions;
-    const pl_subject subjects[] = {pl_tuner_trial(t, evaluation->trial),
-                                   {.trial = evaluation->trial}};
-    const pl_tuner_runs runs = {.phase = "search", .subjects = subjects, .count = counted ? 1 : 2};
-    pl_readings readings;
-    pl_status status = pl_tuner_measure(t, runs, &readings, error);
-    const pl_reading *mine = pl_readings_of(&readings, 0);
-    const double seconds = seconds_of(&readings);
-    evaluation->cost = counted ? instructions_ratio(t, mine)
-                               : pl_tuner_cost(t, mine, pl_readings_of(&readings, 1), 0, 1);
-    const bool is_near = may_be_best(t, evaluation);
-    if (status == PL_OK && t->signal_number == 0) {
-        status = pl_evaluation_judge(
-            t, mine, is_near ? pl_variants_tuned_on : (pl_variants){.count = 0}, evaluation, error);
+    const pl_evaluation *a = left, *b = right;
+    return pl_evaluation_is_better(a, b) ? -1 : pl_evaluation_is_better(b, a);
+}
+
+static int by_cost(const void *left, const void *right)
+{
+    const finalist *a = left, *b = right;
+    return a->cost != b->cost ? (a->cost > b->cost) - (a->cost < b->cost)
+                              : by_merit(&a->evaluation, &b->evaluation);
+}
+
+/* Whether an evaluation meets the targets with the same margin on changed scenarios that the search
+ * did not use. The cheapest of many evaluations often met the targets by chance. */
+static pl_status check_candidate(pl_tuner *t, pl_evaluation *evaluation, pl_error *error)
+{
+    pl_evaluation again = *evaluation;
+    const pl_status status = judge(t, pl_variants_chosen_by, &again, error);
+    evaluation->excess = fmax(evaluation->excess, again.excess);
+    evaluation->holds = again.holds;
+    return status;
+}
+
+/* The cheapest evaluations that pass the check. Where none does, the best ones that hold, or the
+ * best of all. */
+static pl_status find_finalists(pl_tuner *t, finalists *f, pl_error *error)
+{
+    const int count = t->found.count;
+    pl_evaluation *sorted = pl_heap_new((size_t)count + 1, sizeof *sorted);
+    pl_status status = PL_OK;
+    memcpy(sorted, t->found.evaluations, (size_t)count * sizeof *sorted);
+    qsort(sorted, (size_t)count, sizeof *sorted, by_merit);
+    for (int i = 0; i < count && i < MOST_CANDIDATES && f->count < MOST_FINALISTS &&
+                    sorted[i].excess <= 0 && status == PL_OK && t->signal_number == 0;
+         ++i) {
+        status = check_candidate(t, &sorted[i], error);
+        if (sorted[i].excess <= 0) {
+            f->items[f->count++].evaluation = sorted[i];
+        }
     }
-    pl_readings_free(&readings);
-    if (status == PL_OK && t->signal_number == 0 && evaluation->holds && is_near && !counted) {
-        status = time_again(t, runs, evaluation, error);
+    f->have_margin = f->count > 0;
+    qsort(sorted, (size_t)count, sizeof *sorted, by_merit);
+    for (int i = 0; !f->have_margin && i < count && i < MOST_FINALISTS; ++i) {
+        if (i == 0 || sorted[i].holds) {
+            f->items[f->count++].evaluation = sorted[i];
+        }
     }
-    const pl_search_result *found = &t->found;
-    if (evaluation->excess <= 0 &&
-        (!found->met || evaluation->cost < found->evaluations[found->best].cost)) {
-        t->best_seconds = seconds;
+    free(sorted);
+    return status;
+}
+
+/* Measures the finalists again, in turns with the default settings, and puts those with a margin in the order of their
+ * costs. */
+static pl_status measure_finalists(pl_tuner *t, finalists *f, pl_error *error)
+{
+    pl_subject subjects[MOST_FINALISTS + 1];
+    for (int i = 0; i < f->count; ++i) {
+        subjects[i + 1] = pl_tuner_trial(t, "final", f->items[i].evaluation.trial);
+    }
+    subjects[0] = (pl_subject){.phase = "final", .trial = -1};
+    const pl_status status = pl_tuner_measure(t, subjects, f->count + 1, PL_TUNE_REPEATS, error);
+    for (int i = 0; i < f->count; ++i) {
+        const pl_subject pair[] = {subjects[i + 1], subjects[0]};
+        f->items[i].cost = cost_in_time(t, pair, 0, PL_TUNE_REPEATS);
+    }
+    if (f->have_margin) {
+        qsort(f->items, (size_t)f->count, sizeof *f->items, by_cost);
     }
     return status;
+}
+
+/* Measures the answer on the variants that were held out, and sets the checks again. */
+static pl_status validate(pl_tuner *t, pl_error *error)
+{
+    const pl_variants *variants = &pl_variants_held_out;
+    pl_subject subject = pl_tuner_trial(t, "final", t->best.trial);
+    pl_status status = PL_OK;
+    json_array_clear(t->checks);
+    t->missed = 0;
+    for (int i = 0; i < variants->count && status == PL_OK && t->signal_number == 0; ++i) {
+        subject.variant = &variants->items[i];
+        status = pl_tuner_measure(t, &subject, 1, 1, error);
+        for (int p = 0; p < t->case_count; ++p) {
+            const json_t *row = pl_tuner_row(t, &subject, p, 0);
+            const double excess = pl_targets_excess(&t->targets, row);
+            if (row != NULL) {
+                json_array_append_new(
+                    t->checks,
+                    json_pack("{s:O, s:s, s:O, s:o, s:f}", "scenario",
+                              json_array_get(json_object_get(t->study, "scenarios"), (size_t)p),
+                              "variant", subject.variant->name, "outcome",
+                              json_object_get(row, "outcome"), "metrics",
+                              pl_targets_values(&t->targets, row), "excess", excess));
+                t->missed += excess > 0;
+            }
+        }
+    }
+    return status;
+}
+
+/* Takes the first finalist that misses no target in validation, or else the first of all. */
+static pl_status take_valid(pl_tuner *t, const finalists *f, pl_error *error)
+{
+    pl_status status = PL_OK;
+    bool done = false;
+    for (int k = 0; k <= f->count && status == PL_OK && t->signal_number == 0 && !done; ++k) {
+        t->best = f->items[k % f->count].evaluation;
+        t->cost = f->items[k % f->count].cost;
+        status = t->met ? validate(t, error) : PL_OK;
+        done = !t->met || t->missed == 0;
+        t->passed_over = done ? k : 0;
+    }
+    return status;
+}
+
+pl_status pl_tuner_choose(pl_tuner *t, pl_error *error)
+{
+    finalists f = {.count = 0};
+    pl_status status = find_finalists(t, &f, error);
+    if (status != PL_OK || t->signal_number != 0 || f.count == 0) {
+        return status;
+    }
+    t->met = f.items[0].evaluation.holds;
+    t->has_margin = f.have_margin;
+    status = measure_finalists(t, &f, error);
+    return status == PL_OK && t->signal_number == 0 ? take_valid(t, &f, error) : status;
 }

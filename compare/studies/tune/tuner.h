@@ -11,55 +11,17 @@ enum {
     PL_TUNE_REPEATS = 5   /* of the finalists */
 };
 
-/* ---- What is measured ---- */
-
-/* Settings of the engine. */
+/* Settings of the engine, in one phase of the study: they run on all cases. */
 typedef struct pl_subject {
-    int trial; /* of the search, from 0, that they are of or near to; -1: none */
+    const char *phase; /* "search", "final" or "sensitivity": each makes its own runs */
+    int trial;         /* of the search, from 0, that they are of or near to; -1: none */
     const json_t
         *values; /* of the tuned parameters, dt in s; NULL: the default settings. Borrowed */
+    const pl_variant *variant; /* of the scenarios; NULL: as asked for */
 } pl_subject;
 
-/* Runs of subjects on all cases. */
-typedef struct pl_tuner_runs {
-    const char *phase;          /* "search", "final" or "sensitivity": each makes its own runs */
-    const pl_subject *subjects; /* (count): in turns within each repeat */
-    int count;
-    const pl_variant *variant; /* of the scenarios; NULL: as asked for */
-    int repeats;               /* 0: one */
-} pl_tuner_runs;
-
-/* The measurements of one subject on one case. */
-typedef struct pl_reading {
-    bool is_there;  /* false: the scenario cannot be built so, or the variant changes nothing */
-    bool is_absent; /* the engine does not support the scenario */
-    pl_target_reading target;
-    char outcome[32];
-    double duration; /* s, simulated */
-    /* Per simulated second, one number per repeat; NAN: missing. Borrowed from the readings. */
-    double *seconds, *instructions;
-} pl_reading;
-
-/* The readings of several subjects, each on all cases, subject by subject. */
-typedef struct pl_readings {
-    int subject_count, case_count, repeats;
-    pl_reading *items; /* (subject_count x case_count) */
-    double *numbers;   /* the block that holds the items' arrays */
-} pl_readings;
-
-/* The readings of a subject, one per case. */
-const pl_reading *pl_readings_of(const pl_readings *readings, int subject);
-
-/* Frees the readings and their numbers. */
-void pl_readings_free(pl_readings *readings);
-
-/* ---- The state ---- */
-
-/* The excesses of one scenario, as asked for and changed. */
-typedef struct pl_spread {
-    int count;
-    double sum, squares;
-} pl_spread;
+/* The default settings in the search, which are no trial. */
+extern const pl_subject pl_tuner_defaults;
 
 /* What is known of the runs so far, and what follows from it. */
 typedef struct pl_tuner {
@@ -72,25 +34,21 @@ typedef struct pl_tuner {
     json_t *study;  /* what all runs have in their `study` */
     json_t *rows;   /* the results, by what they are runs of */
     json_t *points; /* (trials): the values of each; null: no row has them */
-    json_t *moved;  /* the values of the phase "sensitivity" */
+    json_t *moved;  /* the values of the phase "sensitivity", each once */
     pl_targets targets;
     int case_count;
 
-    pl_search_result found;       /* the evaluations of the trials */
-    bool by_instructions;         /* the search measures cost in instructions; else in CPU time */
-    bool default_has_cost;        /* else costs are not ratios but s per simulated second */
-    double *default_instructions; /* (case_count): per simulated second; NAN: not counted */
-    pl_spread *spreads;           /* (case_count): of the evaluation in progress */
+    pl_search_result found; /* the evaluations of the trials */
+    bool by_instructions;   /* the search measures cost in instructions; else in CPU time */
+    bool default_has_cost;  /* else costs are not ratios but s per simulated second */
 
     pl_evaluation best; /* the answer; its excess also of the runs that it was chosen by */
     double cost;        /* ratio of CPU time to the default settings', geometric mean */
     bool met,
-        has_margin;    /* whether it meets the targets, and with two standard deviations to spare */
-    pl_readings final; /* the default settings, then the finalists */
-    int place;         /* of the answer among them */
-    json_t *checks;    /* of the answer on scenarios that were held out */
-    int missed;        /* of them */
-    int passed_over;   /* finalists before the answer that missed a target in validation */
+        has_margin;  /* whether it meets the targets, and with two standard deviations to spare */
+    json_t *checks;  /* of the answer on scenarios that were held out */
+    int missed;      /* of them */
+    int passed_over; /* finalists before the answer that missed a target in validation */
 } pl_tuner;
 
 /* A tuner of `study` without rows. */
@@ -111,54 +69,48 @@ bool pl_tuner_is_of(const json_t *study, const json_t *run);
 /* Takes a result of the study: what it says is known from then on. */
 void pl_tuner_take(pl_tuner *tuner, json_t *result);
 
-/* Reads the runs. A tuning in progress first makes those that are missing. Runs that take much longer than
- * those of the best evaluation are cut short. The caller frees *readings in any case. */
-pl_status pl_tuner_measure(pl_tuner *tuner, pl_tuner_runs runs, pl_readings *readings,
+/* Makes those runs that are missing of `count` subjects of one phase and variant on all cases, in turns within each
+ * repeat; a conclusion makes none. Runs that take much longer than those of the best evaluation are cut short. */
+pl_status pl_tuner_measure(pl_tuner *tuner, const pl_subject *subjects, int count, int repeats,
                            pl_error *error);
 
-/* A result of the subject on a case as asked for, the first repeat; NULL: there is none. Borrowed. */
-const json_t *pl_tuner_row(const pl_tuner *tuner, const char *phase, pl_subject subject,
-                           int test_case);
+/* The result of a subject on a case. NULL: there is none, because the run was not made yet, the scenario cannot be built
+ * so, or the variant changes nothing. Borrowed. */
+const json_t *pl_tuner_row(const pl_tuner *tuner, const pl_subject *subject, int test_case,
+                           int repeat);
 
-/* ---- Costs and excesses from readings ---- */
+/* The subject of a trial, on the scenarios as asked for. */
+pl_subject pl_tuner_trial(const pl_tuner *tuner, const char *phase, int trial);
 
-/* The median over the repeats from `first` to below `repeats` of the CPU time over that of `other`
- * in the same repeat; with `other` NULL, of the CPU time, in s per simulated second. NAN: none. */
-double pl_score_ratio(const pl_reading *reading, const pl_reading *other, int first, int repeats);
+/* ---- Costs and excesses ---- */
 
-/* Adds one excess, ln(value / bound). An excess below ln(1 / 20) counts as ln(1 / 20). */
-void pl_spread_add(pl_spread *spread, double excess);
+/* The median over the repeats from `first` to below `end`, of which there are at most PL_TUNE_REPEATS, of a metric per
+ * simulated second over that of `other` in the same repeat; with `other` NULL, of the metric alone. NAN: none. */
+double pl_tuner_ratio(const pl_tuner *tuner, pl_metric_id metric, const pl_subject *mine,
+                      const pl_subject *other, int test_case, int first, int end);
 
-/* A bound that one more run is unlikely to exceed: the mean and two standard deviations. Runs that
- * meet the target by more than a factor of 20 count as 20, so that chance among them has no
+/* The geometric mean of that over the scenarios; INFINITY where there is none. */
+double pl_tuner_cost(const pl_tuner *tuner, pl_metric_id metric, const pl_subject *mine,
+                     const pl_subject *other, int first, int end);
+
+/* The repeats of the runs near the answer. */
+int pl_tuner_sensitivity_repeats(const pl_tuner *tuner);
+
+/* The largest excess over the scenarios, in the first repeat; PL_SEARCH_WORST where a result is missing. */
+double pl_tuner_excess(const pl_tuner *tuner, const pl_subject *subject);
+
+/* A bound that one more run is unlikely to exceed: the mean and two standard deviations of the excesses,
+ * ln(value / bound). Runs that meet the target by more than a factor of 20 count as 20, so that chance among them has no
  * effect. */
-double pl_spread_likely(const pl_spread *spread);
-
-/* The geometric mean over the scenarios of the CPU time over that of the default settings, repeat
- * by repeat from `first` to below `repeats`; INFINITY where there is none. */
-double pl_tuner_cost(const pl_tuner *tuner, const pl_reading *mine, const pl_reading *defaults,
-                     int first, int repeats);
-
-/* The largest excess over the scenarios. */
-double pl_tuner_excess(const pl_tuner *tuner, const pl_reading *readings);
+double pl_likely_excess(const double *excesses, int count);
 
 /* ---- Evaluations ---- */
-
-/* The subject of a trial. */
-pl_subject pl_tuner_trial(const pl_tuner *tuner, int trial);
 
 /* Measures the default settings once. PL_UNSUPPORTED: the engine does not support a scenario. */
 pl_status pl_evaluate_defaults(pl_tuner *tuner, pl_error *error);
 
-/* Sets `excess` and `holds` from the readings `asked` of the scenarios as asked for, and from runs
- * of the scenarios as the variants change them, up to the first that misses a target. */
-pl_status pl_evaluation_judge(pl_tuner *tuner, const pl_reading *asked, pl_variants variants,
-                              pl_evaluation *evaluation, pl_error *error);
-
 /* Sets cost, excess and holds of the trial evaluation->trial, whose values the tuner has. */
 pl_status pl_evaluation_make(pl_tuner *tuner, pl_evaluation *evaluation, pl_error *error);
-
-/* ---- The choice ---- */
 
 /* Chooses the answer among the evaluations: measures the best again, and validates them. */
 pl_status pl_tuner_choose(pl_tuner *tuner, pl_error *error);

@@ -84,97 +84,75 @@ static pl_status repeat_search(pl_tuner *t, pl_error *error)
 
 /* ---- Sensitivities ---- */
 
-/* The answer with one parameter moved. */
-typedef struct moved {
-    size_t parameter;
-    double value;
+/* The values of the runs next to the answer in which that parameter is moved down (direction < 0) or up; NULL: none. */
+static const json_t *find_moved(const pl_tuner *t, const json_t *answer, size_t parameter,
+                                int direction)
+{
+    const double from = json_number_value(json_array_get(answer, parameter));
     const json_t *values;
-} moved;
-
-static int by_parameter(const void *left, const void *right)
-{
-    const moved *a = left, *b = right;
-    return a->parameter != b->parameter
-               ? (a->parameter > b->parameter) - (a->parameter < b->parameter)
-               : (a->value > b->value) - (a->value < b->value);
-}
-
-/* Lists the neighbours of the answer that have rows, each once: (count), malloc'd. */
-static moved *list_moved(const pl_tuner *t, int *count)
-{
-    const json_t *answer = pl_tuner_trial(t, t->best.trial).values;
-    moved *list = NULL;
-    int kept = 0;
-    size_t index, k;
-    json_t *values, *value;
-    *count = 0;
+    size_t index;
     json_array_foreach(t->moved, index, values)
     {
-        json_array_foreach(values, k, value)
-        {
-            if (json_number_value(value) != json_number_value(json_array_get(answer, k))) {
-                const moved added = {k, json_number_value(value), values};
-                pl_push(&list, count, &added, sizeof added);
-                break;
+        if ((json_number_value(json_array_get(values, parameter)) - from) * direction > 0) {
+            return values;
+        }
+    }
+    return NULL;
+}
+
+static json_t *sensitivities_json(const pl_tuner *t)
+{
+    const pl_subject answer = pl_tuner_trial(t, "sensitivity", t->best.trial);
+    const json_t *parameters = json_object_get(t->study, "parameters");
+    const pl_metric_id metric =
+        t->by_instructions ? PL_METRIC_INSTRUCTIONS_PER_STEP : PL_METRIC_TIME_PER_STEP;
+    json_t *all = json_array();
+    for (size_t i = 0; i < 2 * json_array_size(parameters); ++i) {
+        pl_subject there = answer;
+        there.values = find_moved(t, answer.values, i / 2, i % 2 == 0 ? -1 : 1);
+        if (there.values != NULL) {
+            const double ratio =
+                pl_tuner_cost(t, metric, &there, &answer, 0, pl_tuner_sensitivity_repeats(t));
+            json_array_append_new(
+                all,
+                json_pack("{s:O, s:O, s:O, s:o, s:f}", "key",
+                          json_object_get(json_array_get(parameters, i / 2), "key"), "from",
+                          json_array_get(answer.values, i / 2), "to",
+                          json_array_get(there.values, i / 2), "cost_ratio",
+                          pl_json_number_or_null(ratio), "excess", pl_tuner_excess(t, &there)));
+        }
+    }
+    return all;
+}
+
+/* Whether all repeats of a subject are there on every case of which the run of `begun` is. */
+static bool is_complete(const pl_tuner *t, const pl_subject *subject, const pl_subject *begun)
+{
+    for (int p = 0; p < t->case_count; ++p) {
+        for (int i = 0; i < pl_tuner_sensitivity_repeats(t); ++i) {
+            if (pl_tuner_row(t, begun, p, 0) != NULL && pl_tuner_row(t, subject, p, i) == NULL) {
+                return false;
             }
         }
     }
-    if (*count > 0) {
-        qsort(list, (size_t)*count, sizeof *list, by_parameter);
-    }
-    for (int i = 0; i < *count; ++i) {
-        if (i == 0 || by_parameter(&list[i], &list[kept - 1]) != 0) {
-            list[kept++] = list[i];
-        }
-    }
-    *count = kept;
-    return list;
+    return true;
 }
 
-/* The geometric mean over the scenarios of the ratio of costs. */
-static double mean_cost_ratio(const pl_tuner *t, const pl_reading *readings,
-                              const pl_reading *others, int repeats)
+/* Whether the tuning came to its end: its last runs are those of the answer and of its neighbours. */
+static bool is_finished(const pl_tuner *t)
 {
-    double sum = 0;
-    for (int p = 0; p < t->case_count; ++p) {
-        sum += log(t->by_instructions ? readings[p].instructions[0] / others[p].instructions[0]
-                                      : pl_score_ratio(&readings[p], &others[p], 0, repeats));
+    const pl_subject answer = pl_tuner_trial(t, "sensitivity", t->best.trial),
+                     tried = pl_tuner_trial(t, "search", t->best.trial);
+    bool finished = is_complete(t, &answer, &tried);
+    const json_t *values;
+    size_t index;
+    json_array_foreach(t->moved, index, values)
+    {
+        pl_subject moved = answer;
+        moved.values = values;
+        finished = finished && is_complete(t, &moved, &moved);
     }
-    return exp(sum / t->case_count);
-}
-
-static json_t *sensitivities_json(pl_tuner *t)
-{
-    int count = 0;
-    moved *list = list_moved(t, &count);
-    pl_subject *subjects = pl_heap_new((size_t)count + 1, sizeof *subjects);
-    const json_t *parameters = json_object_get(t->study, "parameters");
-    json_t *all = json_array();
-    subjects[0] = pl_tuner_trial(t, t->best.trial);
-    for (int i = 0; i < count; ++i) {
-        subjects[i + 1] = (pl_subject){t->best.trial, list[i].values};
-    }
-    const pl_tuner_runs runs = {.phase = "sensitivity",
-                                .subjects = subjects,
-                                .count = count + 1,
-                                .repeats = t->by_instructions ? 1 : PL_TUNER_REPEATS};
-    pl_readings readings;
-    pl_tuner_measure(t, runs, &readings, NULL);
-    for (int i = 0; i < count; ++i) {
-        const pl_reading *mine = pl_readings_of(&readings, i + 1);
-        const double ratio =
-            mean_cost_ratio(t, mine, pl_readings_of(&readings, 0), readings.repeats);
-        json_array_append_new(
-            all, json_pack("{s:O, s:O, s:f, s:o, s:f}", "key",
-                           json_object_get(json_array_get(parameters, list[i].parameter), "key"),
-                           "from", json_array_get(subjects[0].values, list[i].parameter), "to",
-                           list[i].value, "cost_ratio", pl_json_number_or_null(ratio), "excess",
-                           pl_tuner_excess(t, mine)));
-    }
-    pl_readings_free(&readings);
-    free(subjects);
-    free(list);
-    return all;
+    return finished;
 }
 
 /* ---- The conclusion ---- */
@@ -185,8 +163,8 @@ static const json_t *answer_row(const pl_tuner *t)
     static const char *const phases[] = {"final", "search"};
     const json_t *row = NULL;
     for (int i = 0; i < 2 * t->case_count && row == NULL; ++i) {
-        row = pl_tuner_row(t, phases[i / t->case_count], pl_tuner_trial(t, t->best.trial),
-                           i % t->case_count);
+        const pl_subject answer = pl_tuner_trial(t, phases[i / t->case_count], t->best.trial);
+        row = pl_tuner_row(t, &answer, i % t->case_count, 0);
     }
     return row;
 }
@@ -203,26 +181,33 @@ static json_t *setting_json(const pl_tuner *t)
     return setting;
 }
 
+/* The CPU time of a subject on a case over that of another, or in s a simulated second. */
+static json_t *time_json(const pl_tuner *t, const pl_subject *mine, const pl_subject *other,
+                         int test_case)
+{
+    return pl_json_number_or_null(
+        pl_tuner_ratio(t, PL_METRIC_TIME_PER_STEP, mine, other, test_case, 0, PL_TUNE_REPEATS));
+}
+
 static json_t *scores_json(const pl_tuner *t)
 {
-    const pl_reading *mine = pl_readings_of(&t->final, t->place + 1),
-                     *defaults = pl_readings_of(&t->final, 0);
+    const pl_subject mine = pl_tuner_trial(t, "final", t->best.trial),
+                     defaults = {.phase = "final", .trial = -1};
     json_t *list = json_array();
     for (int p = 0; p < t->case_count; ++p) {
+        const json_t *row = pl_tuner_row(t, &mine, p, 0),
+                     *shipped = pl_tuner_row(t, &defaults, p, 0);
         json_array_append_new(
             list,
-            json_pack(
-                "{s:O, s:s, s:o, s:f, s:o, s:o, s:o, s:s, s:o}", "scenario",
-                json_array_get(json_object_get(t->study, "scenarios"), (size_t)p), "outcome",
-                mine[p].outcome, "metrics", pl_target_values(&t->targets, &mine[p].target),
-                "excess", mine[p].target.excess, "cost_ratio",
-                pl_json_number_or_null(pl_score_ratio(&mine[p], &defaults[p], 0, PL_TUNE_REPEATS)),
-                "seconds",
-                pl_json_number_or_null(pl_score_ratio(&mine[p], NULL, 0, PL_TUNE_REPEATS)),
-                "shipped_seconds",
-                pl_json_number_or_null(pl_score_ratio(&defaults[p], NULL, 0, PL_TUNE_REPEATS)),
-                "shipped_outcome", defaults[p].outcome, "shipped_metrics",
-                pl_target_values(&t->targets, &defaults[p].target)));
+            json_pack("{s:O, s:s, s:o, s:f, s:o, s:o, s:o, s:s, s:o}", "scenario",
+                      json_array_get(json_object_get(t->study, "scenarios"), (size_t)p), "outcome",
+                      pl_json_get_text(row, "outcome"), "metrics",
+                      pl_targets_values(&t->targets, row), "excess",
+                      pl_targets_excess(&t->targets, row), "cost_ratio",
+                      time_json(t, &mine, &defaults, p), "seconds", time_json(t, &mine, NULL, p),
+                      "shipped_seconds", time_json(t, &defaults, NULL, p), "shipped_outcome",
+                      pl_json_get_text(shipped, "outcome"), "shipped_metrics",
+                      pl_targets_values(&t->targets, shipped)));
     }
     return list;
 }
@@ -233,7 +218,7 @@ static json_t *trials_json(const pl_tuner *t)
     json_t *list = json_array();
     for (int i = 0; i < t->found.count; ++i) {
         const pl_evaluation *evaluation = &t->found.evaluations[i];
-        const json_t *point = pl_tuner_trial(t, evaluation->trial).values;
+        const json_t *point = pl_tuner_trial(t, "search", evaluation->trial).values;
         json_t *values = json_object(), *parameter;
         size_t k;
         json_array_foreach((json_t *)parameters, k, parameter)
@@ -247,15 +232,16 @@ static json_t *trials_json(const pl_tuner *t)
     return list;
 }
 
-static json_t *tuning_json(pl_tuner *t, const json_t *results)
+static json_t *tuning_json(const pl_tuner *t, const json_t *results)
 {
     static const char *const kept[] = {"engine", "engine_version", "profile",
                                        "host",   PL_PROGRAM,       "command"};
     static const char *const asked[] = {"scenarios", "targets", "seed", "budget"};
     const json_t *first = answer_row(t);
     json_t *json = json_pack(
-        "{s:s, s:b, s:b, s:b, s:o, s:b, s:f, s:o, s:o, s:o, s:O, s:i, s:s, s:i, s:o}", "schema",
-        "plumb.tuning/1", "met", (int)t->met, "has_margin", (int)t->has_margin, "validated",
+        "{s:s, s:b, s:b, s:b, s:b, s:o, s:b, s:f, s:o, s:o, s:o, s:O, s:i, s:s, s:i, s:o}",
+        "schema", "plumb.tuning/1", "finished", (int)is_finished(t), "met", (int)t->met,
+        "has_margin", (int)t->has_margin, "validated",
         (int)(t->met && json_array_size(t->checks) > 0 && t->missed == 0), "cost",
         pl_json_number_or_null(t->cost), "cost_is_ratio", (int)t->default_has_cost, "excess",
         t->best.excess, "setting", setting_json(t), "on", scores_json(t), "sensitivity",
