@@ -3,8 +3,10 @@
 # PLUMB_PRESENT_MODULES of those that are shared objects.
 #
 # plumb_engine(VERSION V [LIBRARIES ...] [DEFINITIONS ...] [OPTIONS ...]) builds an adapter of all C and C++ files of
-# the folder: into plumb_adapters, or as the shared object plumb_NAME, which is loaded when the engine is asked for. Its files know
+# the folder and of its hello.json (describe.cmake): into plumb_adapters, or as the shared object plumb_NAME, which is loaded when the engine is asked for. Its files know
 # the version as PLUMB_NAME_VERSION. OPTIONS are of its C++ files: what not to warn about in the engine's headers.
+include(adapters/describe.cmake)
+
 function(plumb_engine)
   cmake_parse_arguments(ENGINE "" "VERSION" "LIBRARIES;DEFINITIONS;OPTIONS" ${ARGN})
   get_filename_component(name ${CMAKE_CURRENT_SOURCE_DIR} NAME)
@@ -20,6 +22,8 @@ function(plumb_engine)
     target_link_libraries(${target} PRIVATE plumb_scenarios plumb_flags m)
     set_property(GLOBAL APPEND PROPERTY PLUMB_PRESENT_MODULES ${name})
   endif()
+  plumb_describe(${name})
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
   string(TOUPPER ${name} upper)
   file(GLOB sources CONFIGURE_DEPENDS *.c *.cpp)
   target_sources(${target} PRIVATE ${sources})

@@ -33,6 +33,28 @@ for path in glob.glob(source + "/adapters/*/engine.json"):
         print(f"{path}: colour: {engine['colour']}")
     if list(engine["words"]) != list(engines[0]["words"]) or not all(engine["words"].values()):
         print(f"{path}: words: {list(engine['words'])}")
+HELLO = {"": {"description", "runtime", "residual_unit", "capabilities", "contacts", "precision", "integrator", "gyroscopic",
+              "substeps", "reads", "profiles", "options", "sources"},
+         "profiles": {"name", "help", "in_default_comparison", "step_code", "values"},
+         "options": {"name", "value", "min", "max", "integer", "unit", "help", "code", "tune"},
+         "sources": {"profile", "option", "text"}}
+for path in glob.glob(source + "/adapters/*/hello.json"):
+    with open(path) as file:
+        hello = json.load(file)
+    names = {key: [item["name"] for item in hello.get(key, ())] for key in ("profiles", "options")}
+    used = {"profiles": [source["profile"] for source in hello.get("sources", ())],
+            "options": [source["option"] for source in hello.get("sources", ()) if "option" in source]}
+    for profile in hello["profiles"]:
+        used["options"] += profile.get("values", ())
+    for option in hello.get("options", ()):
+        used["profiles"] += option.get("tune", {"profiles": []})["profiles"]
+    for key, members in HELLO.items():
+        for item in hello.get(key, ()) if key else [hello]:
+            if not item.keys() <= members:
+                print(f"{path}: {key}: has other members than PROTOCOL.md: {item.keys() - members}")
+    for key in used:
+        if not set(used[key]) <= set(names[key]):
+            print(f"{path}: names {key} that there are not: {set(used[key]) - set(names[key])}")
 engines.sort(key=lambda e: e["place"])
 if [e["place"] for e in engines] != list(range(1, len(engines) + 1)):
     print("places are not 1, 2, 3, ...")

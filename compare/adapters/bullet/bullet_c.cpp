@@ -34,7 +34,9 @@
  * Rolling and spinning friction are 0, Bullet's default. */
 #include "bullet_c.h"
 
-#include "plumb/adapter_helpers.h"
+#include "adapters/native.h"
+
+#include <bullet_description.h>
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
@@ -44,8 +46,8 @@
 #include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
 #include <btBulletDynamicsCommon.h>
 
-#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <memory>
 #include <utility>
@@ -57,12 +59,6 @@
 static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be used in double precision");
 
 namespace {
-
-double now()
-{
-    using clock = std::chrono::steady_clock;
-    return std::chrono::duration<double>(clock::now().time_since_epoch()).count();
-}
 
 btVector3 vector(const double v[3])
 {
@@ -115,10 +111,9 @@ template <class Base> class ReportingSolver final : public Base {
 class DenseSolver final : public btMLCPSolver {
   public:
     /* `matrices` is how many times rows^2 numbers are held at once. */
-    DenseSolver(std::unique_ptr<btMLCPSolverInterface> method, double matrices, double limit,
-                StepReport &report)
+    DenseSolver(std::unique_ptr<btMLCPSolverInterface> method, double matrices, StepReport &report)
         : btMLCPSolver(method.get()), method_(std::move(method)), matrices_(matrices),
-          limit_(limit), report_(report)
+          report_(report)
     {
     }
 
@@ -135,7 +130,7 @@ class DenseSolver final : public btMLCPSolver {
             rows += rows_a_point * manifolds[i]->getNumContacts();
         }
         double bytes = matrices_ * rows * rows * sizeof(btScalar);
-        if (bytes > limit_) {
+        if (bytes > pl_dense_limit) {
             report_.refused_rows = rows;
             report_.refused_bytes = bytes;
             return 0;
@@ -146,7 +141,7 @@ class DenseSolver final : public btMLCPSolver {
 
   private:
     std::unique_ptr<btMLCPSolverInterface> method_;
-    double matrices_, limit_;
+    double matrices_;
     StepReport &report_;
 };
 
@@ -159,17 +154,17 @@ class TimedWorld final : public btDiscreteDynamicsWorld {
 
     void performDiscreteCollisionDetection() override
     {
-        double start = now();
+        double start = pl_seconds();
         btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
-        collide = now() - start;
+        collide = pl_seconds() - start;
     }
 
   protected:
     void solveConstraints(btContactSolverInfo &info) override
     {
-        double start = now();
+        double start = pl_seconds();
         btDiscreteDynamicsWorld::solveConstraints(info);
-        solve = now() - start;
+        solve = pl_seconds() - start;
     }
 };
 
@@ -185,10 +180,10 @@ struct Triangles {
 
 } // namespace
 
-struct pl_bullet_world {
-    pl_bullet_settings settings;
-    pl_bullet_pair pair;
-    const void *context;
+struct pl_engine_instance {
+    const pl_engine_setup *setup;
+    double time = 0; /* s */
+    long steps = 0;
     StepReport report;
 
     /* Destroyed from the last to the first: bodies leave the world before it goes. */
@@ -203,7 +198,7 @@ struct pl_bullet_world {
     std::map<std::pair<const pl_polyhedron *, bool>, btCollisionShape *> solids;
     std::vector<std::unique_ptr<btRigidBody>> bodies;
 
-    ~pl_bullet_world()
+    ~pl_engine_instance()
     {
         for (auto &body : bodies) {
             world->removeRigidBody(body.get());
@@ -213,43 +208,37 @@ struct pl_bullet_world {
 
 namespace {
 
-void ask_pair(const btCollisionObject *a, const btCollisionObject *b, double &friction,
-              double &restitution)
+/* What the scene has for the materials of two bodies. */
+pl_pair_coefficients pair_of(const btCollisionObject *a, const btCollisionObject *b)
 {
-    auto *world = static_cast<const pl_bullet_world *>(a->getUserPointer());
-    world->pair(world->context, a->getUserIndex(), b->getUserIndex(), &friction, &restitution);
+    auto *instance = static_cast<const pl_engine_instance *>(a->getUserPointer());
+    return pl_setup_pair(instance->setup, a->getUserIndex(), b->getUserIndex());
 }
 
 btScalar combined_friction(const btCollisionObject *a, const btCollisionObject *b)
 {
-    double friction, restitution;
-    ask_pair(a, b, friction, restitution);
-    return friction;
+    return pair_of(a, b).friction;
 }
 
 btScalar combined_restitution(const btCollisionObject *a, const btCollisionObject *b)
 {
-    double friction, restitution;
-    ask_pair(a, b, friction, restitution);
-    return restitution;
+    return pair_of(a, b).restitution;
 }
 
-std::unique_ptr<btSequentialImpulseConstraintSolver> make_solver(const pl_bullet_world_def &def,
-                                                                 StepReport &report)
+std::unique_ptr<btSequentialImpulseConstraintSolver> make_solver(int profile, StepReport &report)
 {
-    switch (def.solver) {
-    case PL_BULLET_NNCG:
+    switch (profile) {
+    case PROFILE_NNCG:
         return std::make_unique<ReportingSolver<btNNCGConstraintSolver>>(report);
-    case PL_BULLET_DANTZIG:
+    case PROFILE_DANTZIG:
         return std::make_unique<DenseSolver>(std::make_unique<btDantzigSolver>(), dantzig_matrices,
-                                             def.matrix_limit, report);
-    case PL_BULLET_LEMKE:
+                                             report);
+    case PROFILE_LEMKE:
         return std::make_unique<DenseSolver>(std::make_unique<btLemkeSolver>(), lemke_matrices,
-                                             def.matrix_limit, report);
-    case PL_BULLET_SI:
-        break;
+                                             report);
+    default:
+        return std::make_unique<ReportingSolver<btSequentialImpulseConstraintSolver>>(report);
     }
-    return std::make_unique<ReportingSolver<btSequentialImpulseConstraintSolver>>(report);
 }
 
 std::vector<double> vertices_of(const pl_polyhedron &solid)
@@ -273,7 +262,7 @@ std::unique_ptr<btCollisionShape> make_hull(const pl_polyhedron &solid, double m
     return hull;
 }
 
-std::unique_ptr<btCollisionShape> make_mesh(pl_bullet_world &world, const pl_polyhedron &solid,
+std::unique_ptr<btCollisionShape> make_mesh(pl_engine_instance &world, const pl_polyhedron &solid,
                                             bool is_static)
 {
     auto triangles = std::make_unique<Triangles>();
@@ -292,16 +281,16 @@ std::unique_ptr<btCollisionShape> make_mesh(pl_bullet_world &world, const pl_pol
         return std::make_unique<btBvhTriangleMeshShape>(array, true);
     }
     auto moving = std::make_unique<btGImpactMeshShape>(array);
-    moving->setMargin(world.settings.solid_margin);
+    moving->setMargin(world.setup->values[OPTION_SOLID_MARGIN]);
     moving->updateBound();
     return moving;
 }
 
-/* Null for a shape that this interface does not know. */
-std::unique_ptr<btCollisionShape> make_shape(pl_bullet_world &world, const pl_shape &shape,
+/* Null for a shape that Bullet has not. */
+std::unique_ptr<btCollisionShape> make_shape(pl_engine_instance &world, const pl_shape &shape,
                                              bool is_static)
 {
-    double margin = world.settings.margin;
+    double margin = world.setup->values[OPTION_MARGIN];
     switch (shape.kind) {
     case PL_SHAPE_PLANE:
         return std::make_unique<btStaticPlaneShape>(vector(shape.normal), shape.offset);
@@ -324,7 +313,7 @@ std::unique_ptr<btCollisionShape> make_shape(pl_bullet_world &world, const pl_sh
         return cylinder;
     }
     case PL_SHAPE_HULL:
-        return make_hull(*shape.polyhedron, world.settings.solid_margin);
+        return make_hull(*shape.polyhedron, world.setup->values[OPTION_SOLID_MARGIN]);
     case PL_SHAPE_MESH:
         return make_mesh(world, *shape.polyhedron, is_static);
     }
@@ -332,7 +321,7 @@ std::unique_ptr<btCollisionShape> make_shape(pl_bullet_world &world, const pl_sh
 }
 
 /* The shape of a body, owned by the world: one for all that share a hull or a mesh. */
-btCollisionShape *shape_of(pl_bullet_world &world, const pl_body &body)
+btCollisionShape *shape_of(pl_engine_instance &world, const pl_body &body)
 {
     std::pair<const pl_polyhedron *, bool> key(body.shape.polyhedron, body.is_static);
     auto known = world.solids.find(key);
@@ -351,16 +340,19 @@ btCollisionShape *shape_of(pl_bullet_world &world, const pl_body &body)
     return made;
 }
 
-pl_status add_body(pl_bullet_world &world, const pl_body &body)
+bool add_body(pl_engine_instance &world, const pl_body &body)
 {
     btCollisionShape *shape = shape_of(world, body);
     if (shape == nullptr) {
-        return PL_UNSUPPORTED;
+        return false;
     }
-    const double *q = body.orientation;
+    pl_body_state at;
+    pl_initial_state(&body, &at);
+    pl_to_principal_pose(&body.shape, at.position, at.orientation);
+    const double *q = at.orientation;
     btTransform pose = btTransform::getIdentity();
     if (body.shape.kind != PL_SHAPE_PLANE) {
-        pose = btTransform(btQuaternion(q[1], q[2], q[3], q[0]), vector(body.position));
+        pose = btTransform(btQuaternion(q[1], q[2], q[3], q[0]), vector(at.position));
     }
     double mass = body.is_static ? 0 : body.mass;
     btVector3 inertia = body.is_static ? btVector3(0, 0, 0) : vector(body.inertia);
@@ -376,194 +368,225 @@ pl_status add_body(pl_bullet_world &world, const pl_body &body)
     }
     world.world->addRigidBody(made.get());
     world.bodies.push_back(std::move(made));
-    return PL_OK;
+    return true;
 }
 
 void convert_contact(const btPersistentManifold &manifold, const btManifoldPoint &point,
                      pl_contact &out)
 {
     int a = manifold.getBody0()->getUserIndex(), b = manifold.getBody1()->getUserIndex();
-    bool in_order = a < b;
     btVector3 on_first = point.m_normalWorldOnB * point.m_appliedImpulse +
                          point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1;
     if (point.m_appliedImpulseLateral2 != 0) { /* of two friction directions; else not set */
         on_first += point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
     }
-    out.body_a = in_order ? a : b;
-    out.body_b = in_order ? b : a;
-    out.separation = point.getDistance();
-    store(in_order ? point.getPositionWorldOnB() : point.getPositionWorldOnA(), out.point);
-    store(in_order ? -point.m_normalWorldOnB : point.m_normalWorldOnB, out.normal);
-    store(in_order ? -on_first : on_first, out.impulse);
+    pl_set_contact(&out, a, b, a < b ? point.getPositionWorldOnB() : point.getPositionWorldOnA(),
+                   point.m_normalWorldOnB, point.getDistance(), on_first);
 }
 
-void set_solver_info(const pl_bullet_settings &settings, btContactSolverInfo &info)
+void set_solver_info(const double *values, btContactSolverInfo &info)
 {
-    info.m_numIterations = settings.iterations;
-    info.m_splitImpulse = settings.split_impulse;
-    info.m_splitImpulsePenetrationThreshold = settings.split_threshold;
-    info.m_erp = settings.erp;
-    info.m_erp2 = settings.erp2;
-    info.m_restitutionVelocityThreshold = settings.restitution_threshold;
-    info.m_warmstartingFactor = settings.warm_start;
-    info.m_linearSlop = settings.slop;
+    info.m_numIterations = static_cast<int>(values[OPTION_ITERATIONS]);
+    info.m_splitImpulse = values[OPTION_SPLIT_IMPULSE] > 0;
+    info.m_splitImpulsePenetrationThreshold = values[OPTION_SPLIT_THRESHOLD];
+    info.m_erp = values[OPTION_ERP];
+    info.m_erp2 = values[OPTION_ERP2];
+    info.m_restitutionVelocityThreshold = values[OPTION_RESTITUTION_THRESHOLD];
+    info.m_warmstartingFactor = values[OPTION_WARM_START];
+    info.m_linearSlop = values[OPTION_SLOP];
     info.m_solverMode &= ~(SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_RANDMIZE_ORDER);
-    info.m_solverMode |= settings.friction_directions == 2 ? SOLVER_USE_2_FRICTION_DIRECTIONS : 0;
-    info.m_solverMode |= settings.random_order ? SOLVER_RANDMIZE_ORDER : 0;
+    info.m_solverMode |=
+        values[OPTION_FRICTION_DIRECTIONS] == 2 ? SOLVER_USE_2_FRICTION_DIRECTIONS : 0;
+    info.m_solverMode |= values[OPTION_RANDOM_ORDER] > 0 ? SOLVER_RANDMIZE_ORDER : 0;
+}
+
+/* A world without bodies. */
+std::unique_ptr<pl_engine_instance> make_world(const pl_engine_setup &setup)
+{
+    const double *values = setup.values;
+    auto made = std::make_unique<pl_engine_instance>();
+    const int plane_points = static_cast<int>(values[OPTION_PLANE_MULTIPOINT]);
+    const int convex_points = static_cast<int>(values[OPTION_CONVEX_MULTIPOINT]);
+    made->setup = &setup;
+    if (plane_points > 0) {
+        made->configuration.setPlaneConvexMultipointIterations(plane_points, plane_points);
+    }
+    if (convex_points > 0) {
+        made->configuration.setConvexConvexMultipointIterations(convex_points, convex_points);
+    }
+    made->solver = make_solver(setup.profile, made->report);
+    made->world = std::make_unique<TimedWorld>(&made->dispatcher, &made->broadphase,
+                                               made->solver.get(), &made->configuration);
+    made->world->setGravity(vector(setup.scene->gravity));
+    set_solver_info(values, made->world->getSolverInfo());
+    gContactBreakingThreshold = values[OPTION_CONTACT_BREAKING];
+    btGImpactCollisionAlgorithm::registerAlgorithm(&made->dispatcher);
+    gCalculateCombinedFrictionCallback = combined_friction;
+    gCalculateCombinedRestitutionCallback = combined_restitution;
+    return made;
+}
+
+/* The state of a body in the frame of its shape. */
+void read_body(const pl_engine_instance &instance, int body, pl_body_state &state)
+{
+    const btRigidBody &source = *instance.bodies[static_cast<size_t>(body)];
+    btQuaternion q = source.getOrientation();
+    store(source.getCenterOfMassPosition(), state.position);
+    store(source.getLinearVelocity(), state.velocity);
+    store(source.getAngularVelocity(), state.angular_velocity);
+    state.orientation[0] = q.w();
+    state.orientation[1] = q.x();
+    state.orientation[2] = q.y();
+    state.orientation[3] = q.z();
+    pl_to_shape_pose(&instance.setup->scene->bodies[body].shape, state.position, state.orientation);
+}
+
+void add_forces(pl_engine_instance &instance, double dt)
+{
+    const pl_scene &scene = *instance.setup->scene;
+    for (int i = 0; i < scene.force_count; ++i) {
+        const pl_force &force = scene.forces[i];
+        pl_body_state state;
+        double world_force[3], offset[3];
+        read_body(instance, force.body, state);
+        if (!scene.bodies[force.body].is_static &&
+            pl_force_at(&force, instance.time, dt, state.orientation, world_force, offset)) {
+            instance.bodies[static_cast<size_t>(force.body)]->applyForce(vector(world_force),
+                                                                         vector(offset));
+        }
+    }
 }
 
 } // namespace
 
-pl_bullet_settings pl_bullet_defaults(void)
+void pl_bullet_defaults(int profile, double *values)
 {
     btContactSolverInfo info;
     btBoxShape box(btVector3(1, 1, 1));
-    pl_bullet_settings defaults;
-    defaults.iterations = info.m_numIterations;
-    defaults.split_impulse = info.m_splitImpulse != 0;
-    defaults.split_threshold = info.m_splitImpulsePenetrationThreshold;
-    defaults.erp = info.m_erp;
-    defaults.erp2 = info.m_erp2;
-    defaults.restitution_threshold = info.m_restitutionVelocityThreshold;
-    defaults.margin = box.getMargin();
-    defaults.solid_margin = 0;     /* not Bullet's own: see the head of this file */
-    defaults.plane_multipoint = 0; /* btConvexPlaneCollisionAlgorithm's threshold is 0 points */
-    defaults.convex_multipoint = 0;
-    defaults.friction_directions =
+    values[OPTION_ITERATIONS] = info.m_numIterations;
+    values[OPTION_SPLIT_IMPULSE] = info.m_splitImpulse != 0;
+    values[OPTION_SPLIT_THRESHOLD] = info.m_splitImpulsePenetrationThreshold;
+    values[OPTION_ERP] = info.m_erp;
+    values[OPTION_ERP2] = info.m_erp2;
+    values[OPTION_RESTITUTION_THRESHOLD] = info.m_restitutionVelocityThreshold;
+    values[OPTION_MARGIN] = box.getMargin();
+    values[OPTION_FRICTION_DIRECTIONS] =
         (info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS) != 0 ? 2 : 1;
-    defaults.warm_start = info.m_warmstartingFactor;
-    defaults.random_order = (info.m_solverMode & SOLVER_RANDMIZE_ORDER) != 0;
-    defaults.slop = info.m_linearSlop;
-    defaults.contact_breaking = gContactBreakingThreshold;
-    return defaults;
+    values[OPTION_WARM_START] = info.m_warmstartingFactor;
+    values[OPTION_RANDOM_ORDER] = (info.m_solverMode & SOLVER_RANDMIZE_ORDER) != 0;
+    values[OPTION_SLOP] = info.m_linearSlop;
+    values[OPTION_CONTACT_BREAKING] = gContactBreakingThreshold;
+    engine_profile_values(profile, values);
 }
 
-pl_bullet_world *pl_bullet_world_create(const pl_bullet_world_def *def)
+pl_status pl_bullet_create(const pl_engine_setup *setup, pl_engine_instance **out, pl_error *error)
 {
+    const pl_body *body = nullptr;
+    pl_status status = PL_NO_MEMORY;
+    *out = nullptr;
     try {
-        auto made = std::make_unique<pl_bullet_world>();
-        made->settings = def->settings;
-        made->pair = def->pair;
-        made->context = def->context;
-        if (def->settings.plane_multipoint > 0) {
-            made->configuration.setPlaneConvexMultipointIterations(def->settings.plane_multipoint,
-                                                                   def->settings.plane_multipoint);
+        auto made = make_world(*setup);
+        bool is_known = true;
+        for (int i = 0; i < setup->scene->body_count && is_known; ++i) {
+            body = &setup->scene->bodies[i];
+            is_known = add_body(*made, *body);
         }
-        if (def->settings.convex_multipoint > 0) {
-            made->configuration.setConvexConvexMultipointIterations(
-                def->settings.convex_multipoint, def->settings.convex_multipoint);
+        if (is_known) {
+            *out = made.release();
+            return PL_OK;
         }
-        made->solver = make_solver(*def, made->report);
-        made->world = std::make_unique<TimedWorld>(&made->dispatcher, &made->broadphase,
-                                                   made->solver.get(), &made->configuration);
-        made->world->setGravity(vector(def->gravity));
-        set_solver_info(def->settings, made->world->getSolverInfo());
-        gContactBreakingThreshold = def->settings.contact_breaking;
-        btGImpactCollisionAlgorithm::registerAlgorithm(&made->dispatcher);
-        gCalculateCombinedFrictionCallback = combined_friction;
-        gCalculateCombinedRestitutionCallback = combined_restitution;
-        return made.release();
+        status = PL_UNSUPPORTED;
     } catch (...) {
-        return nullptr;
+        if (body == nullptr) {
+            return pl_fail(error, PL_NO_MEMORY, "bullet could not make a world");
+        }
     }
+    return pl_fail(error, status, "body \"%s\": bullet could not make its shape (kind %d)",
+                   body->name, static_cast<int>(body->shape.kind));
 }
 
-void pl_bullet_world_destroy(pl_bullet_world *world)
+void pl_bullet_destroy(pl_engine_instance *instance)
 {
-    delete world;
-}
-
-pl_status pl_bullet_add_body(pl_bullet_world *world, const pl_body *body)
-{
-    try {
-        return add_body(*world, *body);
-    } catch (...) {
-        return PL_NO_MEMORY;
+    const auto *dense =
+        instance == nullptr ? nullptr : dynamic_cast<const DenseSolver *>(instance->solver.get());
+    if (dense != nullptr && dense->getNumFallbacks() > 0) {
+        fprintf(stderr,
+                "bullet:%s gave up %d times in %ld steps and fell back to sequential impulse\n",
+                engine_profiles[instance->setup->profile].name, dense->getNumFallbacks(),
+                instance->steps);
     }
+    delete instance;
 }
 
-void pl_bullet_add_force(pl_bullet_world *world, int body, const double force[3],
-                         const double offset[3])
+pl_status pl_bullet_step(pl_engine_instance *instance, double dt, pl_step_stats *stats,
+                         pl_error *error)
 {
-    world->bodies[static_cast<size_t>(body)]->applyForce(vector(force), vector(offset));
-}
-
-pl_status pl_bullet_step(pl_bullet_world *world, double dt, pl_step_stats *stats, double *rows,
-                         double *bytes)
-{
-    world->report = StepReport();
-    double start = now();
+    TimedWorld &world = *instance->world;
+    add_forces(*instance, dt);
+    instance->report = StepReport();
+    const double start = pl_seconds();
     try {
         /* No substeps: the step is dt itself. */
-        world->world->stepSimulation(dt, 0);
+        world.stepSimulation(dt, 0);
     } catch (...) {
-        return PL_FAILED;
+        return pl_fail(error, PL_FAILED, "bullet threw an exception in step %ld",
+                       instance->steps + 1);
     }
-    double elapsed = now() - start;
-    if (world->report.refused_rows > 0) {
-        *rows = world->report.refused_rows;
-        *bytes = world->report.refused_bytes;
-        return PL_UNSUPPORTED;
+    const double elapsed = pl_seconds() - start;
+    if (instance->report.refused_rows > 0) {
+        return pl_refuse_dense(error, "bullet", engine_profiles[instance->setup->profile].name,
+                               instance->report.refused_rows, instance->report.refused_bytes);
     }
-    int points = 0;
-    for (int i = 0; i < world->dispatcher.getNumManifolds(); ++i) {
-        points += world->dispatcher.getManifoldByIndexInternal(i)->getNumContacts();
-    }
-    stats->iterations = world->report.iterations;
-    stats->residual = world->report.residual;
-    stats->contacts = points;
-    stats->time_collide = world->world->collide;
-    stats->time_solve = world->world->solve;
-    stats->time_other = elapsed - world->world->collide - world->world->solve;
+    stats->iterations = instance->report.iterations;
+    stats->residual = instance->report.residual;
+    stats->contacts = pl_bullet_read_contacts(instance, nullptr, 0);
+    stats->time_collide = world.collide;
+    stats->time_solve = world.solve;
+    stats->time_other = elapsed - world.collide - world.solve;
+    instance->time += dt;
+    ++instance->steps;
     return PL_OK;
 }
 
-int pl_bullet_fallbacks(const pl_bullet_world *world)
+void pl_bullet_read_frame(const pl_engine_instance *instance, pl_frame *frame)
 {
-    auto *dense = dynamic_cast<const DenseSolver *>(world->solver.get());
-    return dense == nullptr ? 0 : dense->getNumFallbacks();
-}
-
-void pl_bullet_read_body(const pl_bullet_world *world, int body, pl_body_state *state)
-{
-    const btRigidBody &source = *world->bodies[static_cast<size_t>(body)];
-    btQuaternion q = source.getOrientation();
-    store(source.getCenterOfMassPosition(), state->position);
-    store(source.getLinearVelocity(), state->velocity);
-    store(source.getAngularVelocity(), state->angular_velocity);
-    state->orientation[0] = q.w();
-    state->orientation[1] = q.x();
-    state->orientation[2] = q.y();
-    state->orientation[3] = q.z();
-}
-
-void pl_bullet_read_mass(const pl_bullet_world *world, int body, double *mass, double inertia[3])
-{
-    const btRigidBody &source = *world->bodies[static_cast<size_t>(body)];
-    const btVector3 &inverse = source.getInvInertiaDiagLocal();
-    *mass = source.getInvMass() > 0 ? 1 / source.getInvMass() : 0;
-    for (int k = 0; k < 3; ++k) {
-        inertia[k] = inverse[k] > 0 ? 1 / inverse[k] : 0;
+    frame->time = instance->time;
+    for (int i = 0; i < frame->body_count; ++i) {
+        const pl_body &body = instance->setup->scene->bodies[i];
+        if (body.shape.kind == PL_SHAPE_PLANE) {
+            /* The shape of a plane has its position, and its body stays at the origin. */
+            pl_initial_state(&body, &frame->bodies[i]);
+        } else {
+            read_body(*instance, i, frame->bodies[i]);
+        }
     }
 }
 
-void pl_bullet_read_gravity(const pl_bullet_world *world, double gravity[3])
+void pl_bullet_read_settings(const pl_engine_instance *instance, pl_engine_settings *settings)
 {
-    store(world->world->getGravity(), gravity);
+    store(instance->world->getGravity(), settings->gravity);
+    for (int i = 0; i < settings->body_count; ++i) {
+        const btRigidBody &source = *instance->bodies[static_cast<size_t>(i)];
+        const btVector3 &inverse = source.getInvInertiaDiagLocal();
+        settings->mass[i] = source.getInvMass() > 0 ? 1 / source.getInvMass() : 0;
+        for (int k = 0; k < 3; ++k) {
+            settings->inertia[i][k] = inverse[k] > 0 ? 1 / inverse[k] : 0;
+        }
+    }
 }
 
-void pl_bullet_read_pair(const pl_bullet_world *world, int body_a, int body_b, double *friction,
-                         double *restitution)
+void pl_bullet_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
+                         pl_pair_coefficients *found)
 {
-    const btRigidBody *a = world->bodies[static_cast<size_t>(body_a)].get();
-    const btRigidBody *b = world->bodies[static_cast<size_t>(body_b)].get();
-    *friction = gCalculateCombinedFrictionCallback(a, b);
-    *restitution = gCalculateCombinedRestitutionCallback(a, b);
+    const btRigidBody *a = instance->bodies[static_cast<size_t>(body_a)].get();
+    const btRigidBody *b = instance->bodies[static_cast<size_t>(body_b)].get();
+    found->friction = gCalculateCombinedFrictionCallback(a, b);
+    found->restitution = gCalculateCombinedRestitutionCallback(a, b);
 }
 
-int pl_bullet_read_contacts(const pl_bullet_world *world, pl_contact *contacts, int capacity)
+int pl_bullet_read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity)
 {
-    auto &dispatcher = const_cast<btCollisionDispatcher &>(world->dispatcher);
+    auto &dispatcher = const_cast<btCollisionDispatcher &>(instance->dispatcher);
     int count = 0;
     for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold &manifold = *dispatcher.getManifoldByIndexInternal(i);

@@ -4,8 +4,8 @@
 // materials gives it its coefficients, with cannon's own stiffness and relaxation. The faces of a hull are polygons: cannon
 // clips one face against another, and triangles of one face would each have their own contacts. cannon has no capsules,
 // and its meshes collide with planes and spheres only. It leaves the gyroscopic torque out.
-import {apart, packageOf, serve} from './protocol.mjs';
-import {applyForces, polygonsOf, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
+import {apart, describe, packageOf, serve} from './protocol.mjs';
+import {applyForces, planePose, polygonsOf, principalPose, principalVertices, solidOf, writeFrame} from './mechanics.mjs';
 import * as CANNON from 'cannon-es';
 
 const {version, files} = packageOf('cannon-es');
@@ -41,8 +41,7 @@ function addShape(setup, body, made) {
 }
 
 function makeBody(setup, body, materials) {
-  const isPlane = body.shape.type === 'plane';
-  const pose = isPlane ? {position: body.shape.normal.map((n) => n * body.shape.offset), orientation: rotationFromZ(body.shape.normal)} : principalPose(setup, body);
+  const pose = body.shape.type === 'plane' ? planePose(body.shape) : principalPose(setup, body);
   const made = new CANNON.Body({
     mass: body.static ? 0 : body.mass, material: materials[body.material], linearDamping: 0, angularDamping: 0, allowSleep: false,
     position: vector(pose.position), quaternion: quaternion(pose.orientation),
@@ -84,16 +83,10 @@ function create(setup) {
       world.step(setup.dt);
       return {iterations: options.iterations, contacts: world.contacts.length};
     },
-    readFrame(frame) {
-      bodies.forEach((body, index) => {
-        const asked = setup.bodies[index];
-        if (asked.shape.type === 'plane') {
-          writeState(frame, setup, index, asked.position, asked.orientation, [0, 0, 0], [0, 0, 0]);
-        } else {
-          writeState(frame, setup, index, array(body.position), arrayOf(body.quaternion), array(body.velocity), array(body.angularVelocity));
-        }
-      });
-    },
+    readFrame: (frame) => writeFrame(frame, setup, (index) => {
+      const body = bodies[index];
+      return [array(body.position), arrayOf(body.quaternion), array(body.velocity), array(body.angularVelocity)];
+    }),
     readContacts() {
       if (before.length === 0) {
         return [];
@@ -120,37 +113,4 @@ function create(setup) {
   };
 }
 
-serve({
-  name: 'cannon',
-  version,
-  description: 'cannon-es: spring-damper contacts, by Gauss-Seidel (SPOOK)',
-  runtime: 'javascript',
-  precision: 'double',
-  integrator: 'semi-implicit Euler',
-  gyroscopic: 'none',
-  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'cylinder', 'hull'],
-  contacts: ['points'],
-  files,
-  reads: ['settings', 'pairs'],
-  profiles: [
-    {name: 'default', help: 'as shipped', in_default_comparison: true, step_code: 'world.step({});'},
-    {name: 'recommended', help: "as cannon-es's demo of a tower of blocks, Jenga, has it", in_default_comparison: true, step_code: 'world.step({});',
-      values: {iterations: 50, stiffness: 5e6}},
-  ],
-  sources: [
-    {profile: 'recommended', text: 'left as it is: relaxation, which is 3 there too, and sleep, which is off for every engine. The author of cannon.js advises it for stacks: "A slowly moving body will fall asleep, and then it won\'t move at all until something wakes it up" (https://github.com/schteppe/cannon.js/issues/348)'},
-    {profile: 'recommended', option: 'iterations', text: '"The more iterations, the more correct simulation" (cannon-es documentation, GSSolver, https://pmndrs.github.io/cannon-es/docs/classes/GSSolver.html); the number is that of its demo Jenga (https://github.com/pmndrs/cannon-es/blob/master/examples/jenga.html)'},
-    {profile: 'recommended', option: 'stiffness', text: '"Contact stiffness - use to make softer/harder contacts": contactEquationStiffness = 5e6 of the same demo'},
-  ],
-  options: [
-    {name: 'iterations', value: 10, min: 1, max: 100000, integer: true, help: 'sweeps over the equations, at most', code: 'world.solver.iterations = {};',
-      tune: {profiles: ['default'], min: 1, max: 500, logarithmic: true}},
-    {name: 'tolerance', value: 1e-7, min: 0, max: 1, help: 'sweeps end when they change the forces by less', code: 'world.solver.tolerance = {};'},
-    {name: 'stiffness', value: 1e7, min: 1, max: 1e12, unit: 'N/m', help: 'of contacts', code: 'contactMaterial.contactEquationStiffness = {};',
-      tune: {profiles: ['default'], min: 1e6, max: 1e10, logarithmic: true}},
-    {name: 'relaxation', value: 3, min: 0, max: 1000, help: 'time steps in which a contact relaxes', code: 'contactMaterial.contactEquationRelaxation = {};',
-      tune: {profiles: ['default'], min: 1, max: 20, logarithmic: true}},
-    {name: 'cylinder_sides', value: 32, min: 3, max: 1000, integer: true, help: 'of the prism that stands for a cylinder', code: 'new CANNON.Cylinder(r, r, h, {});'},
-  ],
-  create,
-});
+serve({...describe(version, files), create});

@@ -10,10 +10,6 @@
  * would put a sphere of 0.1 m in their place. */
 #include "dart_shapes.h"
 
-#include "dart_options.h"
-#include "plumb/adapter_helpers.h"
-#include "plumb/base.h"
-
 #include <assimp/mesh.h>
 #include <assimp/scene.h>
 #include <dart/collision/dart/DARTCollisionDetector.hpp>
@@ -27,6 +23,7 @@
 #include <dart/dynamics/MeshShape.hpp>
 #include <dart/dynamics/PlaneShape.hpp>
 #include <dart/dynamics/SphereShape.hpp>
+#include <dart_description.h>
 
 #include <cmath>
 #include <memory>
@@ -118,7 +115,7 @@ pl_status pl_dart_check_shapes(const pl_engine_setup &setup, pl_error *error)
     if (has_fcl_primitives(setup) && detector != Detector::fcl) {
         return pl_fail(error, PL_UNSUPPORTED,
                        "dart:%s has not FCL's shapes: it has no fcl_primitives",
-                       pl_dart_profiles[setup.profile].name);
+                       engine_profiles[setup.profile].name);
     }
     for (int i = 0; i < setup.scene->body_count; ++i) {
         const pl_shape_kind kind = setup.scene->bodies[i].shape.kind;

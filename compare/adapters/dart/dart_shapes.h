@@ -2,7 +2,7 @@
 #ifndef PLUMB_DART_SHAPES_H
 #define PLUMB_DART_SHAPES_H
 
-#include "plumb/engine_abi.h"
+#include "adapters/native.h"
 
 #include <Eigen/Geometry>
 #include <dart/collision/SmartPointer.hpp>

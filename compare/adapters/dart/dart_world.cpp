@@ -13,13 +13,8 @@
  *
  * Two things differ from a world as shipped: pairs of static bodies are filtered, which would only
  * use up contacts, and the solver counts its groups. */
-#include "dart_world.h"
-
-#include "dart_options.h"
 #include "dart_pairs.h"
 #include "dart_shapes.h"
-#include "plumb/adapter_helpers.h"
-#include "plumb/base.h"
 
 #include <dart/collision/CollisionFilter.hpp>
 #include <dart/collision/CollisionObject.hpp>
@@ -35,8 +30,10 @@
 #include <dart/external/odelcpsolver/misc.h>
 #include <dart/math/Random.hpp>
 #include <dart/simulation/World.hpp>
+#include <dart_description.h>
 
-#include <chrono>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -45,22 +42,13 @@
 #include <utility>
 #include <vector>
 
+PL_ENGINE_FUNCTIONS(dart)
+
 namespace collision = dart::collision;
 namespace constraint = dart::constraint;
 namespace dynamics = dart::dynamics;
 
 namespace {
-
-constexpr double gibibyte = 1024.0 * 1024.0 * 1024.0;
-
-/* Bytes that the dense matrices of a group may take. */
-constexpr double dense_limit = 4 * gibibyte;
-
-double now()
-{
-    using clock = std::chrono::steady_clock;
-    return std::chrono::duration<double>(clock::now().time_since_epoch()).count();
-}
 
 void store(const Eigen::Vector3d &v, double out[3])
 {
@@ -90,14 +78,14 @@ class CountingSolver final : public constraint::BoxedLcpConstraintSolver {
         constexpr double matrices = 3;
         const double rows = static_cast<double>(group.getTotalDimension());
         const double bytes = matrices * rows * rows * static_cast<double>(sizeof(double));
-        if (bytes > dense_limit) {
+        if (bytes > pl_dense_limit) {
             refused_rows = rows;
             refused_bytes = bytes;
             return;
         }
-        const double start = now();
+        const double start = pl_seconds();
         BoxedLcpConstraintSolver::solveConstrainedGroup(group);
-        solve_time += now() - start;
+        solve_time += pl_seconds() - start;
         ++groups;
     }
 };
@@ -302,14 +290,9 @@ void convert_contact(const pl_engine_instance &it, const collision::Contact &con
 {
     const int first = it.roles.at(contact.collisionObject1->getShapeFrame()).body;
     const int second = it.roles.at(contact.collisionObject2->getShapeFrame()).body;
-    const bool in_order = first < second;
-    const double sign = in_order ? -1 : 1;
-    out.body_a = in_order ? first : second;
-    out.body_b = in_order ? second : first;
-    out.separation = -contact.penetrationDepth;
-    store(contact.point, out.point);
-    store(sign * contact.normal.normalized(), out.normal);
-    store(sign * contact.force * it.world->getTimeStep(), out.impulse);
+    const Eigen::Vector3d impulse = contact.force * it.world->getTimeStep();
+    pl_set_contact(&out, first, second, contact.point.data(), contact.normal.normalized().data(),
+                   -contact.penetrationDepth, impulse.data());
 }
 
 /* The shape of a body that is meant to meet `partner`; null when there is none. */
@@ -362,12 +345,38 @@ void add_forces(const pl_engine_instance &it, double dt)
 
 } // namespace
 
+/* DART's own values, also of a library that was built with others. They are asked once, before any world
+ * changes the global ones. */
+void pl_dart_defaults(int profile, double *values)
+{
+    static const std::array<double, OPTION_COUNT> shipped = [] {
+        using Contacts = dart::constraint::ContactConstraint;
+        const dart::constraint::PgsBoxedLcpSolver::Option sweeps;
+        const dart::constraint::BoxedLcpConstraintSolver solver;
+        std::array<double, OPTION_COUNT> found{};
+        found[OPTION_ITERATIONS] = sweeps.mMaxIteration;
+        found[OPTION_DELTA_X] = sweeps.mDeltaXThreshold;
+        found[OPTION_RELATIVE_DELTA_X] = sweeps.mRelativeDeltaXTolerance;
+        found[OPTION_RANDOM_ORDER] = sweeps.mRandomizeConstraintOrder;
+        found[OPTION_MAX_CONTACTS] = static_cast<int>(solver.getCollisionOption().maxNumContacts);
+        found[OPTION_CFM] = Contacts::getConstraintForceMixing();
+        found[OPTION_ERP] = Contacts::getErrorReductionParameter();
+        found[OPTION_ERROR_ALLOWANCE] = Contacts::getErrorAllowance();
+        found[OPTION_MAX_ERV] = Contacts::getMaxErrorReductionVelocity();
+        found[OPTION_FCL_PRIMITIVES] = 0; /* the constructor of ConstraintSolver sets MESH */
+        return found;
+    }();
+    std::copy(shipped.begin(), shipped.end(), values);
+    engine_profile_values(profile, values);
+}
+
+/* The settings of contacts are DART's global variables: the world that was made last has them. */
 pl_status pl_dart_create(const pl_engine_setup *setup, pl_engine_instance **out, pl_error *error)
 {
     double shipped[OPTION_COUNT];
     *out = nullptr;
     try {
-        pl_dart_profile_defaults(setup->profile, shipped);
+        pl_dart_defaults(setup->profile, shipped);
         auto made = std::make_unique<pl_engine_instance>();
         made->setup = setup;
         const pl_status status = fill(*made, error);
@@ -394,21 +403,17 @@ pl_status pl_dart_step(pl_engine_instance *instance, double dt, pl_step_stats *s
     solver.groups = 0;
     solver.solve_time = 0;
     add_forces(*instance, dt);
-    const double start = now();
+    const double start = pl_seconds();
     try {
         instance->world->step();
     } catch (...) {
         return pl_fail(error, PL_FAILED, "DART threw an exception in step %ld",
                        instance->steps + 1);
     }
-    const double elapsed = now() - start;
+    const double elapsed = pl_seconds() - start;
     if (solver.refused_rows > 0) {
-        return pl_fail(error, PL_UNSUPPORTED,
-                       "dart:%s needs %.1f GiB for the dense matrices of %.0f contact rows; the "
-                       "limit is %.0f GiB",
-                       pl_dart_profiles[instance->setup->profile].name,
-                       solver.refused_bytes / gibibyte, solver.refused_rows,
-                       dense_limit / gibibyte);
+        return pl_refuse_dense(error, "dart", engine_profiles[instance->setup->profile].name,
+                               solver.refused_rows, solver.refused_bytes);
     }
     stats->contacts = static_cast<double>(solver.contacts());
     stats->islands = solver.groups;
@@ -454,6 +459,8 @@ void pl_dart_read_settings(const pl_engine_instance *instance, pl_engine_setting
     }
 }
 
+/* DART's rule of mixing on what its shapes store; NAN where no shapes of the two bodies are meant to
+ * touch. */
 void pl_dart_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
                        pl_pair_coefficients *found)
 {

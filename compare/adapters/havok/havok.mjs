@@ -7,8 +7,8 @@
 // Havok combines the coefficients of two materials by a rule. Where no rule gives all pairs theirs, a body is a container
 // of several shapes (materials.mjs). Collision events have one point a pair, so that contacts are not reported, and the
 // interface has no settings of the solver.
-import {packageOf, serve} from './protocol.mjs';
-import {applyForces, halfDiagonal, middleOfPlane, principalPose, principalVertices, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
+import {describe, packageOf, serve} from './protocol.mjs';
+import {applyForces, halfDiagonal, middleOfPlane, principalPose, principalVertices, rotationFromZ, solidOf, writeFrame} from './mechanics.mjs';
 import {colliderPlan, rules} from './materials.mjs';
 import {readFileSync} from 'node:fs';
 import initHavok from '@babylonjs/havok';
@@ -125,17 +125,10 @@ function create(setup) {
       done(Havok.HP_World_Step(world, setup.dt));
       return {};
     },
-    readFrame(frame) {
-      bodies.forEach(({id}, index) => {
-        const body = setup.bodies[index];
-        if (body.shape.type === 'plane') {
-          writeState(frame, setup, index, body.position, body.orientation, [0, 0, 0], [0, 0, 0]);
-          return;
-        }
-        const {x, q} = poseOf(index);
-        writeState(frame, setup, index, x, q, done(Havok.HP_Body_GetLinearVelocity(id)), done(Havok.HP_Body_GetAngularVelocity(id)));
-      });
-    },
+    readFrame: (frame) => writeFrame(frame, setup, (index) => {
+      const [{x, q}, {id}] = [poseOf(index), bodies[index]];
+      return [x, q, done(Havok.HP_Body_GetLinearVelocity(id)), done(Havok.HP_Body_GetAngularVelocity(id))];
+    }),
     settings() {
       const each = (read, still) => bodies.map(({id}, i) => (setup.bodies[i].static ? still : read(id)));
       const properties = each((id) => done(Havok.HP_Body_GetMassProperties(id)), null);
@@ -162,25 +155,4 @@ function create(setup) {
   };
 }
 
-serve({
-  name: 'havok',
-  version,
-  description: 'Havok Physics',
-  runtime: 'webassembly',
-  precision: 'float',
-  integrator: 'semi-implicit Euler',
-  gyroscopic: 'none',
-  substeps: 4,
-  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull', 'mesh'],
-  contacts: [],
-  files,
-  reads: ['settings', 'pairs'],
-  profiles: [
-    {name: 'default', help: 'as shipped', in_default_comparison: true, step_code: 'HP_World_SetIdealStepTime(world, {}); HP_World_Step(world, {});'},
-  ],
-  sources: [
-    {profile: 'default', text: 'no profile recommended: the interface has no setting of the solver (@babylonjs/havok, HavokPhysics.d.ts), and neither the documentation of Babylon.js (Physics V2: Using Havok, Rigid bodies, Performance tips, https://doc.babylonjs.com/features/featuresDeepDive/physics) nor the issues of https://github.com/BabylonJS/havok advise one'},
-    {profile: 'default', text: 'time step: HP_World_SetIdealStepTime takes the one "which you intend to call HP_World_Step()" with (HavokPhysics.d.ts); Babylon.js divides steps itself: "To increase physics resolution precision, set a small value (like 1 ms)" (IPhysicsEngine.setSubTimeStep)'},
-  ],
-  create,
-});
+serve({...describe(version, files), create});

@@ -8,8 +8,8 @@
 // The contact listener gives every pair of bodies its coefficients, and records the contacts of the first sub-step: those of
 // later ones are not of the poses before the step. Recording is not counted as the step's time. Jolt's interface has contact
 // points, but not the impulses that the solver found.
-import {apart, packageOf, serve, Unsupported} from './protocol.mjs';
-import {applyForces, halfDiagonal, middleOfPlane, principalPose, principalVertices, solidOf, writeState} from './mechanics.mjs';
+import {apart, describe, packageOf, serve, Unsupported} from './protocol.mjs';
+import {applyForces, halfDiagonal, middleOfPlane, principalPose, principalVertices, solidOf, writeFrame} from './mechanics.mjs';
 import initJolt from 'jolt-physics/wasm-compat';
 
 const Jolt = await initJolt();
@@ -110,7 +110,7 @@ function interfaceFor(count) {
 }
 
 function addBody(bodies, setup, body) {
-  const {position, orientation} = body.shape.type === 'plane' ? {position: [0, 0, 0], orientation: [1, 0, 0, 0]} : principalPose(setup, body);
+  const {position, orientation} = principalPose(setup, body);
   const shape = shapeOf(setup, body);
   const settings = using([rvec3(position), quat(orientation)], (x, q) => new Jolt.BodyCreationSettings(shape, x, q,
     body.static ? Jolt.EMotionType_Static : Jolt.EMotionType_Dynamic, body.static ? STATIC_LAYER : MOVING_LAYER));
@@ -201,16 +201,10 @@ function create(setup) {
       jolt.Step(setup.dt, options.collision_steps);
       return {iterations: options.iterations * options.collision_steps};
     },
-    readFrame(frame) {
-      bodies.forEach((body, index) => {
-        const asked = setup.bodies[index];
-        if (asked.shape.type === 'plane') {
-          writeState(frame, setup, index, asked.position, asked.orientation, [0, 0, 0], [0, 0, 0]);
-        } else {
-          writeState(frame, setup, index, array(body.GetPosition()), arrayOf(body.GetRotation()), array(body.GetLinearVelocity()), array(body.GetAngularVelocity()));
-        }
-      });
-    },
+    readFrame: (frame) => writeFrame(frame, setup, (index) => {
+      const body = bodies[index];
+      return [array(body.GetPosition()), arrayOf(body.GetRotation()), array(body.GetLinearVelocity()), array(body.GetAngularVelocity())];
+    }),
     readContacts: () => contacts,
     settings() {
       const inverse = (value) => (value > 0 ? 1 / value : 0);
@@ -236,47 +230,4 @@ function create(setup) {
   };
 }
 
-const STACKS = 'Jolt\'s author on a heavy cube on a light one: "The only way you improve this is by increasing the number of solver iterations", velocity and position steps (https://github.com/jrouwe/JoltPhysics/issues/1390).';
-const tuned = (min, max, logarithmic = true) => ({profiles: ['default'], min, max, logarithmic});
-
-serve({
-  name: 'jolt',
-  version,
-  description: 'Jolt Physics: sequential impulses with speculative contacts',
-  runtime: 'webassembly',
-  precision: 'float',
-  integrator: 'semi-implicit Euler',
-  gyroscopic: 'explicit',
-  substeps: 1,
-  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull', 'mesh'],
-  contacts: ['points'],
-  files,
-  reads: ['settings'],
-  profiles: [
-    {name: 'default', help: 'as shipped', in_default_comparison: true, step_code: 'physicsSystem.Update({}, 1, &allocator, &jobs);'},
-    {name: 'recommended', help: "with more solver iterations, as Jolt's author advises for stacks", in_default_comparison: true,
-      step_code: 'physicsSystem.Update({}, 1, &allocator, &jobs);', values: {iterations: 30, position_iterations: 6}},
-  ],
-  sources: [
-    {profile: 'recommended', text: 'time step and collision steps: "In general, the system is stable when running at 60 Hz with 1 collision step" (Jolt documentation, The Simulation Step, https://jrouwe.github.io/JoltPhysics)'},
-    {profile: 'recommended', option: 'iterations', text: `${STACKS} How many he does not say: 30, the most that Jolt's sample application offers (Samples/SamplesApp.cpp, Num Velocity Steps)`},
-    {profile: 'recommended', option: 'position_iterations', text: `${STACKS} How many he does not say: 6, three times as many as shipped, as of velocity steps`},
-    {profile: 'recommended', text: 'left as it is: convex_radius. "A larger convex radius results in better performance but a less accurate simulation" (Jolt documentation, Convex Radius); 0 and 0.01 do not make towers better'},
-  ],
-  options: [
-    {name: 'iterations', value: 10, min: 2, max: 10000, integer: true, help: 'velocity steps: sweeps over the contacts',
-      code: 'settings.mNumVelocitySteps = {};', tune: tuned(2, 200)},
-    {name: 'position_iterations', value: 2, min: 0, max: 10000, integer: true, help: 'position steps: sweeps that undo penetration',
-      code: 'settings.mNumPositionSteps = {};', tune: tuned(0, 20, false)},
-    {name: 'collision_steps', value: 1, min: 1, max: 100, integer: true, help: 'sub-steps of a step, each with collision detection',
-      code: 'const int collisionSteps = {};', tune: tuned(1, 8, false)},
-    {name: 'baumgarte', value: 0.2, min: 0, max: 1, help: 'share of the penetration undone in a position step', code: 'settings.mBaumgarte = {};'},
-    {name: 'slop', value: 0.02, min: 0, max: 1, unit: 'm', help: 'penetration that is not undone', code: 'settings.mPenetrationSlop = {};', tune: tuned(1e-4, 0.02)},
-    {name: 'speculative_distance', value: 0.02, min: 0, max: 1, unit: 'm', help: 'separation from which on contacts are made',
-      code: 'settings.mSpeculativeContactDistance = {};'},
-    {name: 'restitution_threshold', value: 1, min: 0, max: 1e6, unit: 'm/s', help: 'slower impacts do not bounce', code: 'settings.mMinVelocityForRestitution = {};'},
-    {name: 'convex_radius', value: 0.05, min: 0, max: 1, unit: 'm', help: 'rounding of the edges of boxes, cylinders and hulls, inside their size',
-      code: 'shape_settings.mConvexRadius = {};'},
-  ],
-  create,
-});
+serve({...describe(version, files), create});

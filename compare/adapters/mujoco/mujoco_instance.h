@@ -6,26 +6,12 @@
 #ifndef PLUMB_MUJOCO_INSTANCE_H
 #define PLUMB_MUJOCO_INSTANCE_H
 
-#include "plumb/engine_abi.h"
+#include "adapters/native.h"
 
 #include <mujoco/mujoco.h>
+#include <mujoco_description.h>
 
-enum {
-    MUJOCO_SOLVER,
-    MUJOCO_CONE,
-    MUJOCO_ITERATIONS,
-    MUJOCO_TOLERANCE,
-    MUJOCO_NOSLIP_ITERATIONS,
-    MUJOCO_NOSLIP_TOLERANCE,
-    MUJOCO_IMPRATIO,
-    MUJOCO_SOLREF_TIMECONST,
-    MUJOCO_SOLREF_DAMPRATIO,
-    MUJOCO_SOLIMP_DMIN,
-    MUJOCO_SOLIMP_DMAX,
-    MUJOCO_SOLIMP_WIDTH,
-    MUJOCO_MULTICCD,
-    MUJOCO_OPTION_COUNT
-};
+PL_ENGINE_FUNCTIONS(mujoco)
 
 /* A scene loaded into MuJoCo. */
 struct pl_engine_instance {
@@ -56,20 +42,7 @@ void pl_mujoco_unload(pl_engine_instance *instance);
 /* Makes room for more contacts and keeps the state. PL_UNSUPPORTED: MuJoCo cannot hold more. */
 pl_status pl_mujoco_grow(pl_engine_instance *instance, pl_error *error);
 
-/* ---- Reading back (mujoco_read.c), as the functions of pl_engine of these names ---- */
-
-/* The initial state, or that after the last step. */
-void pl_mujoco_read_frame(const pl_engine_instance *instance, pl_frame *frame);
-
-/* Masses, inertia, gravity and step of the compiled model. */
-void pl_mujoco_read_settings(const pl_engine_instance *instance, pl_engine_settings *settings);
-
-/* The friction of the compiled model's element `pair`, or else that which MuJoCo combines. */
-void pl_mujoco_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
-                         pl_pair_coefficients *found);
-
-/* The contacts that the solver was given. */
-int pl_mujoco_read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity);
+/* ---- Reading back (mujoco_read.c) ---- */
 
 /* The pose of the frame of a moving body's shape. */
 void pl_mujoco_read_pose(const pl_engine_instance *instance, int body, double position[3],

@@ -5,7 +5,6 @@
 #include "mujoco_sizes.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static const char file_name[] = "scene.xml";
 static const double gibibyte = 0x1p30;
@@ -74,25 +73,25 @@ static pl_status match_geoms(pl_engine_instance *instance, pl_error *error)
 
 static void set_contact_softness(const double *values, mjtNum *solref, mjtNum *solimp)
 {
-    solref[0] = values[MUJOCO_SOLREF_TIMECONST];
-    solref[1] = values[MUJOCO_SOLREF_DAMPRATIO];
-    solimp[0] = values[MUJOCO_SOLIMP_DMIN];
-    solimp[1] = values[MUJOCO_SOLIMP_DMAX];
-    solimp[2] = values[MUJOCO_SOLIMP_WIDTH];
+    solref[0] = values[OPTION_SOLREF_TIMECONST];
+    solref[1] = values[OPTION_SOLREF_DAMPRATIO];
+    solimp[0] = values[OPTION_SOLIMP_DMIN];
+    solimp[1] = values[OPTION_SOLIMP_DMAX];
+    solimp[2] = values[OPTION_SOLIMP_WIDTH];
 }
 
 static void set_options(mjModel *model, double dt, const double *values)
 {
     mjOption *option = &model->opt;
     option->timestep = dt;
-    option->solver = (int)values[MUJOCO_SOLVER];
-    option->cone = (int)values[MUJOCO_CONE];
-    option->iterations = (int)values[MUJOCO_ITERATIONS];
-    option->tolerance = values[MUJOCO_TOLERANCE];
-    option->noslip_iterations = (int)values[MUJOCO_NOSLIP_ITERATIONS];
-    option->noslip_tolerance = values[MUJOCO_NOSLIP_TOLERANCE];
-    option->impratio = values[MUJOCO_IMPRATIO];
-    option->enableflags |= values[MUJOCO_MULTICCD] != 0 ? mjENBL_MULTICCD : 0;
+    option->solver = (int)values[OPTION_SOLVER];
+    option->cone = (int)values[OPTION_CONE];
+    option->iterations = (int)values[OPTION_ITERATIONS];
+    option->tolerance = values[OPTION_TOLERANCE];
+    option->noslip_iterations = (int)values[OPTION_NOSLIP_ITERATIONS];
+    option->noslip_tolerance = values[OPTION_NOSLIP_TOLERANCE];
+    option->impratio = values[OPTION_IMPRATIO];
+    option->enableflags |= values[OPTION_MULTICCD] != 0 ? mjENBL_MULTICCD : 0;
     for (int i = 0; i < model->ngeom; ++i) {
         set_contact_softness(values, &model->geom_solref[mjNREF * i],
                              &model->geom_solimp[mjNIMP * i]);

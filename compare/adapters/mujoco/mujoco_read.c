@@ -1,9 +1,6 @@
 #include "mujoco_instance.h"
 
-#include "plumb/adapter_helpers.h"
-
 #include <math.h>
-#include <string.h>
 
 /* The first coordinate of a moving body's free joint, in qpos. */
 static const mjtNum *joint_position(const pl_engine_instance *instance, int body)
@@ -43,8 +40,7 @@ static void read_static(const pl_engine_instance *instance, int body, pl_body_st
     const pl_body *asked = &instance->scene->bodies[body];
     if (asked->shape.kind == PL_SHAPE_PLANE) {
         /* In MuJoCo its frame is along the normal. */
-        memcpy(state->position, asked->position, sizeof state->position);
-        memcpy(state->orientation, asked->orientation, sizeof state->orientation);
+        pl_initial_state(asked, state);
         return;
     }
     ptrdiff_t number = pl_mujoco_body(instance, body);
@@ -86,6 +82,7 @@ void pl_mujoco_read_settings(const pl_engine_instance *instance, pl_engine_setti
     }
 }
 
+/* The friction of the compiled model's element `pair`, or else that which MuJoCo combines. */
 void pl_mujoco_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
                          pl_pair_coefficients *found)
 {

@@ -7,8 +7,8 @@
 // MuJoCo leaves out contacts that do not fit into its memory, and starts again from the first state after one that is not
 // finite or too large. It says so in warnings only. A step whose contacts or solver did not fit is made again with more
 // memory; a state that is given up ends the run.
-import {GaveUp, Unsupported, apart, packageOf, serve} from './protocol.mjs';
-import {applyForces, inverse, normalized, principalPose, principalVertices, rotate, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
+import {GaveUp, Unsupported, apart, describe, packageOf, serve} from './protocol.mjs';
+import {applyForces, inverse, normalized, planePose, principalPose, principalVertices, rotate, solidOf, writeFrame} from './mechanics.mjs';
 import loadMujoco from '@mujoco/mujoco';
 
 const mujoco = await loadMujoco();
@@ -25,8 +25,10 @@ const attributes = (values) => Object.entries(values).map(([key, value]) => ` ${
 function shapeOf(setup, body) {
   const {shape} = body;
   switch (shape.type) {
-    case 'plane':
-      return {type: 'plane', size: [0, 0, 1], pos: shape.normal.map((n) => n * shape.offset), quat: rotationFromZ(shape.normal)};
+    case 'plane': {
+      const {position, orientation} = planePose(shape);
+      return {type: 'plane', size: [0, 0, 1], pos: position, quat: orientation};
+    }
     case 'sphere':
       return {type: 'sphere', size: shape.radius};
     case 'box':
@@ -205,19 +207,14 @@ function create(setup) {
       apart(checkState);
       return {iterations: Math.max(0, ...data.solver_niter), contacts: data.ncon};
     },
-    readFrame(frame) {
-      setup.bodies.forEach((body, i) => {
-        if (body.static) {
-          const at = 13 * i;
-          frame.set([...body.position, ...body.orientation], at);
-          frame.fill(0, at + 7, at + 13);
-          return;
-        }
-        const [x, q] = [pose(i).slice(0, 3), pose(i).slice(3)];
-        const v = Array.from(data.qvel.subarray(velocity[i], velocity[i] + 6));
-        writeState(frame, setup, i, x, q, v.slice(0, 3), rotate(q, v.slice(3)));
-      });
-    },
+    readFrame: (frame) => writeFrame(frame, setup, (i) => {
+      if (setup.bodies[i].static) {
+        return null;
+      }
+      const q = pose(i).slice(3);
+      const v = Array.from(data.qvel.subarray(velocity[i], velocity[i] + 6));
+      return [pose(i).slice(0, 3), q, v.slice(0, 3), rotate(q, v.slice(3))];
+    }),
     readContacts() {
       record();
       return contacts;
@@ -235,50 +232,4 @@ function create(setup) {
   };
 }
 
-const MODELING = 'MuJoCo documentation, Modeling, Algorithms and settings: ';
-const SLIP = 'MuJoCo documentation, Overview, Softness and slip: ';
-const tuned = (min, max, logarithmic) => ({profiles: ['default', 'recommended'], min, max, logarithmic});
-
-serve({
-  name: 'mujoco3',
-  version: mujoco.mj_versionString(),
-  description: 'MuJoCo: soft contacts, by convex optimisation',
-  runtime: 'webassembly',
-  precision: 'double',
-  integrator: 'semi-implicit Euler',
-  gyroscopic: 'explicit',
-  capabilities: ['friction', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull'],
-  contacts: ['points', 'impulses'],
-  files,
-  reads: ['settings'],
-  profiles: [
-    {name: 'default', help: "Newton's method and pyramidal cones, as shipped", in_default_comparison: true, step_code: 'model->opt.timestep = {}; mj_step(model, data);'},
-    {name: 'recommended', help: "as MuJoCo's documentation has it against slip and penetration", in_default_comparison: true,
-      step_code: 'model->opt.timestep = {}; mj_step(model, data);', values: {cone: 1, tolerance: 1e-10, impratio: 10, solimp_dmin: 0.99, solimp_dmax: 0.999}},
-    {name: 'cg', help: 'as shipped, with conjugate gradients', step_code: 'model->opt.timestep = {}; mj_step(model, data);'},
-    {name: 'pgs', help: 'as shipped, with projected Gauss-Seidel', step_code: 'model->opt.timestep = {}; mj_step(model, data);'},
-  ],
-  sources: [
-    {profile: 'recommended', text: `${MODELING}"The Newton algorithm is the best choice for most models" (https://mujoco.readthedocs.io/en/stable/modeling.html)`},
-    {profile: 'recommended', option: 'cone', text: `${MODELING}"the best way to suppress it is to use elliptic cones, large impratio, and the Newton algorithm with very small tolerance"`},
-    {profile: 'recommended', option: 'tolerance', text: `${MODELING}Newton "should be used with aggressive tolerance values, say 1e-10"`},
-    {profile: 'recommended', option: 'impratio', text: `${MODELING}"large impratio" against slip; how large it does not say: 10`},
-    {profile: 'recommended', option: 'solimp_dmin', text: `${SLIP}"Increasing constraint impedance (first two elements of solimp)"; how far it does not say: 0.99`},
-    {profile: 'recommended', option: 'solimp_dmax', text: `${SLIP}"Increasing constraint impedance (first two elements of solimp)"; how far it does not say: 0.999`},
-  ],
-  options: [
-    {name: 'iterations', value: 100, min: 1, max: 1e6, integer: true, help: 'iterations of the solver, at most', code: 'model->opt.iterations = {};', tune: tuned(2, 200, true)},
-    {name: 'tolerance', value: 1e-8, min: 0, max: 1, help: 'improvement at which the solver ends', code: 'model->opt.tolerance = {};'},
-    {name: 'cone', value: 0, min: 0, max: 1, integer: true, help: '0: pyramid, 1: elliptic', code: 'model->opt.cone = {};', tune: tuned(0, 1, false)},
-    {name: 'impratio', value: 1, min: 1e-3, max: 1e6, help: 'impedance of friction over that of normal forces', code: 'model->opt.impratio = {};', tune: tuned(1, 100, true)},
-    {name: 'noslip_iterations', value: 0, min: 0, max: 1e6, integer: true, help: 'sweeps of the Noslip solver', code: 'model->opt.noslip_iterations = {};'},
-    {name: 'solref_time', value: 0.02, min: 1e-6, max: 10, unit: 's', help: 'time constant of contacts', code: 'geom->solref[0] = {};', tune: tuned(0.002, 0.05, true)},
-    {name: 'solref_damping', value: 1, min: 0.01, max: 100, help: 'damping ratio of contacts', code: 'geom->solref[1] = {};'},
-    {name: 'solimp_dmin', value: 0.9, min: 0, max: 1, help: 'impedance of contacts at depth 0', code: 'geom->solimp[0] = {};'},
-    {name: 'solimp_dmax', value: 0.95, min: 0, max: 1, help: 'impedance of contacts at depth solimp_width', code: 'geom->solimp[1] = {};'},
-    {name: 'solimp_width', value: 0.001, min: 1e-9, max: 10, unit: 'm', help: 'depth over which the impedance grows', code: 'geom->solimp[2] = {};'},
-    {name: 'multiccd', value: 1, min: 0, max: 1, integer: true, help: 'several points of a pair that has no collider of its own', code: 'if ({} == 0) model->opt.disableflags |= mjDSBL_MULTICCD;'},
-    {name: 'nativeccd', value: 1, min: 0, max: 1, integer: true, help: "MuJoCo's own convex collision detection, in place of libccd", code: 'if ({} == 0) model->opt.disableflags |= mjDSBL_NATIVECCD;'},
-  ],
-  create,
-});
+serve({...describe(mujoco.mj_versionString(), files), create});

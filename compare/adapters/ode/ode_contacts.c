@@ -3,14 +3,10 @@
  * (dContactApprox1) and, where the pair's restitution e > 0, dContactBounce with threshold 0. */
 
 #include "ode_instance.h"
-#include "plumb/base.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const double gibibyte = 1024.0 * 1024.0 * 1024.0;
-static const double dense_limit = 4 * 1024.0 * 1024.0 * 1024.0; /* bytes */
 
 static bool is_solid(dGeomID geom)
 {
@@ -127,18 +123,14 @@ static double dense_bytes(double rows)
 
 pl_status pl_ode_check_dense_memory(const pl_engine_instance *instance, pl_error *error)
 {
-    if (dense_bytes(3.0 * instance->contact_count) <= dense_limit) {
+    if (dense_bytes(3.0 * instance->contact_count) <= pl_dense_limit) {
         return PL_OK;
     }
     double rows = largest_island_rows(instance);
-    if (dense_bytes(rows) <= dense_limit) {
+    if (dense_bytes(rows) <= pl_dense_limit) {
         return PL_OK;
     }
-    return pl_fail(
-        error, PL_UNSUPPORTED,
-        "ode:dantzig needs %.1f GiB for the dense matrices of %.0f contact rows; the limit "
-        "is %.0f GiB",
-        dense_bytes(rows) / gibibyte, rows, dense_limit / gibibyte);
+    return pl_refuse_dense(error, "ode", "dantzig", rows, dense_bytes(rows));
 }
 
 int pl_ode_read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity)
@@ -146,19 +138,14 @@ int pl_ode_read_contacts(const pl_engine_instance *instance, pl_contact *contact
     int count = instance->contact_count < capacity ? instance->contact_count : capacity;
     for (int i = 0; i < count; ++i) {
         const dContactGeom *geom = &instance->contacts[i].geom;
-        int first = geom_index(geom->g1), second = geom_index(geom->g2);
-        bool in_order = first < second;
-        pl_contact *contact = &contacts[i];
-        contact->body_a = in_order ? first : second;
-        contact->body_b = in_order ? second : first;
-        contact->separation = -geom->depth;
+        const int first = geom_index(geom->g1), second = geom_index(geom->g2);
         /* f1 is the force on the first geom's body, or on the only moving one. */
-        bool on_b = instance->bodies[first] != NULL ? !in_order : in_order;
+        const double sign = instance->bodies[first] != NULL ? 1 : -1;
+        double impulse[3];
         for (int k = 0; k < 3; ++k) {
-            contact->point[k] = geom->pos[k];
-            contact->normal[k] = in_order ? -geom->normal[k] : geom->normal[k];
-            contact->impulse[k] = (on_b ? 1 : -1) * instance->feedback[i].f1[k] * instance->last_dt;
+            impulse[k] = sign * instance->feedback[i].f1[k] * instance->last_dt;
         }
+        pl_set_contact(&contacts[i], first, second, geom->pos, geom->normal, -geom->depth, impulse);
     }
     return instance->contact_count;
 }

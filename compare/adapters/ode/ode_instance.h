@@ -6,10 +6,12 @@
 #ifndef PLUMB_ODE_INSTANCE_H
 #define PLUMB_ODE_INSTANCE_H
 
+#include "adapters/native.h"
 #include "ode_shapes.h"
-#include "plumb/engine_abi.h"
 
 #include <stdint.h>
+
+PL_ENGINE_FUNCTIONS(ode)
 
 /* A contact point of the current step. */
 typedef struct ode_contact {
@@ -57,9 +59,6 @@ void pl_ode_collide_pair(void *data, dGeomID a, dGeomID b);
 /* UNSUPPORTED where dWorldStep would need more memory than the limit for the contacts made. */
 pl_status pl_ode_check_dense_memory(const pl_engine_instance *instance, pl_error *error);
 
-/* As read_contacts of pl_engine. */
-int pl_ode_read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity);
-
 /* ---- Reading back (ode_read.c) ---- */
 
 /* The pose of the frame of a moving body's shape. */
@@ -68,15 +67,5 @@ void pl_ode_read_pose(const pl_engine_instance *instance, int body, double posit
 
 /* What the geoms of the shape's polyhedron share; NULL where it has none. */
 const ode_solid *pl_ode_solid_of(const pl_engine_instance *instance, const pl_shape *shape);
-
-/* As read_frame of pl_engine. */
-void pl_ode_read_frame(const pl_engine_instance *instance, pl_frame *frame);
-
-/* As read_settings of pl_engine. */
-void pl_ode_read_settings(const pl_engine_instance *instance, pl_engine_settings *settings);
-
-/* As read_pair of pl_engine. */
-void pl_ode_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
-                      pl_pair_coefficients *found);
 
 #endif

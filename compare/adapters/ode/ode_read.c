@@ -1,11 +1,7 @@
 
 #include "ode_instance.h"
 
-#include "plumb/adapter_helpers.h"
-#include "plumb/scenario.h"
 #include "plumb/vec.h"
-
-#include <string.h>
 
 const ode_solid *pl_ode_solid_of(const pl_engine_instance *instance, const pl_shape *shape)
 {
@@ -54,8 +50,7 @@ void pl_ode_read_frame(const pl_engine_instance *instance, pl_frame *frame)
                    sizeof state->angular_velocity);
         } else if (scene->bodies[i].shape.kind == PL_SHAPE_PLANE) {
             /* ODE's planes have no pose. */
-            memcpy(state->position, scene->bodies[i].position, sizeof state->position);
-            memcpy(state->orientation, scene->bodies[i].orientation, sizeof state->orientation);
+            pl_initial_state(&scene->bodies[i], state);
         } else {
             read_static(instance, i, state);
         }

@@ -7,8 +7,8 @@
 // PhysX combines the coefficients of two materials by a rule. Where no rule gives all pairs theirs, a body has several
 // shapes (materials.mjs). Contact reports have the normal part of an impulse only, so that contacts are points. They are
 // read within the step. That is not counted as its time; what PhysX itself does to prepare reports is.
-import {apart, packageOf, serve, Unsupported} from './protocol.mjs';
-import {applyForces, principalPose, principalVertices, product, rotationFromZ, solidOf, writeState} from './mechanics.mjs';
+import {apart, describe, packageOf, serve, Unsupported} from './protocol.mjs';
+import {applyForces, planePose, principalPose, principalVertices, solidOf, writeFrame} from './mechanics.mjs';
 import {colliderPlan, rules} from './materials.mjs';
 import {readFileSync} from 'node:fs';
 import initPhysX from 'physx-js-webidl';
@@ -48,35 +48,32 @@ const modes = {average: 'eAVERAGE', min: 'eMIN', multiply: 'eMULTIPLY', max: 'eM
 const modeOf = (rule) => Px.PxCombineModeEnum[modes[rule]];
 const ruleOf = (mode) => Object.keys(modes).find((rule) => modeOf(rule) === mode);
 
-function hullOf(vertices) {
+/** A copy of the corners of a solid for PhysX, to which `desc` then refers. */
+function pointsOf(desc, vertices) {
   const points = new Px.Vector_PxVec3();
   for (let i = 0; i < vertices.length; i += 3) {
     withVector(vertices.subarray(i, i + 3), (v) => points.push_back(v));
   }
-  const desc = new Px.PxConvexMeshDesc();
-  desc.flags = new Px.PxConvexFlags(Px.PxConvexFlagEnum.eCOMPUTE_CONVEX);
   desc.points.count = points.size();
   desc.points.stride = 12;
   desc.points.data = points.data();
+  return points;
+}
+
+function hullOf(vertices) {
+  const desc = new Px.PxConvexMeshDesc();
+  const points = pointsOf(desc, vertices);
+  desc.flags = new Px.PxConvexFlags(Px.PxConvexFlagEnum.eCOMPUTE_CONVEX);
   const mesh = using(new Px.PxCookingParams(scale), (params) => Px.CreateConvexMesh(params, desc));
-  Px.destroy(desc);
-  Px.destroy(points);
+  [desc, points].forEach((made) => Px.destroy(made));
   return using(new Px.PxMeshScale(), (unit) => new Px.PxConvexMeshGeometry(mesh, unit));
 }
 
-function meshOf(setup, body) {
-  const vertices = principalVertices(solidOf(setup, body));
-  const corners = solidOf(setup, body).triangles.flat();
-  const points = new Px.Vector_PxVec3();
-  for (let i = 0; i < vertices.length; i += 3) {
-    withVector(vertices.subarray(i, i + 3), (v) => points.push_back(v));
-  }
+function meshOf(vertices, corners) {
+  const desc = new Px.PxTriangleMeshDesc();
+  const points = pointsOf(desc, vertices);
   const indices = new Px.PxArray_PxU32();
   corners.forEach((i) => indices.pushBack(i));
-  const desc = new Px.PxTriangleMeshDesc();
-  desc.points.count = points.size();
-  desc.points.stride = 12;
-  desc.points.data = points.data();
   desc.triangles.count = corners.length / 3;
   desc.triangles.stride = 12;
   desc.triangles.data = indices.begin();
@@ -103,7 +100,7 @@ function geometryOf(setup, body) {
       if (!body.static) {
         throw new Unsupported(`PhysX has no moving meshes without a graphics processor: body "${body.name}"`);
       }
-      return {geometry: meshOf(setup, body)};
+      return {geometry: meshOf(principalVertices(solidOf(setup, body)), solidOf(setup, body).triangles.flat())};
     default:
       return {geometry: hullOf(principalVertices(solidOf(setup, body)))};
   }
@@ -111,7 +108,7 @@ function geometryOf(setup, body) {
 
 function addBody(scene, setup, body, plan, index) {
   const {options} = setup;
-  const pose = body.shape.type === 'plane' ? {position: body.shape.normal.map((n) => n * body.shape.offset), orientation: rotationFromZ(body.shape.normal)} : principalPose(setup, body);
+  const pose = body.shape.type === 'plane' ? planePose(body.shape) : principalPose(setup, body);
   const actor = withPose(pose.position, pose.orientation, (t) => (body.static ? physics.createRigidStatic(t) : physics.createRigidDynamic(t)));
   const {geometry, turn = [1, 0, 0, 0]} = geometryOf(setup, body);
   const colliders = plan.of(body.material).map((c) => {
@@ -198,19 +195,12 @@ function create(setup) {
       scene.fetchResults(true);
       return {iterations: options.iterations + options.velocity_iterations};
     },
-    readFrame(frame) {
-      bodies.forEach(({actor}, index) => {
-        const body = setup.bodies[index];
-        if (body.shape.type === 'plane') {
-          writeState(frame, setup, index, body.position, body.orientation, [0, 0, 0], [0, 0, 0]);
-          return;
-        }
-        const pose = actor.getGlobalPose();
-        const [x, q] = [array(pose.p), arrayOf(pose.q)];
-        const [v, w] = body.static ? [[0, 0, 0], [0, 0, 0]] : [array(actor.getLinearVelocity()), array(actor.getAngularVelocity())];
-        writeState(frame, setup, index, x, q, v, w);
-      });
-    },
+    readFrame: (frame) => writeFrame(frame, setup, (index) => {
+      const {actor} = bodies[index];
+      const {p, q} = actor.getGlobalPose();
+      const velocities = setup.bodies[index].static ? [[0, 0, 0], [0, 0, 0]] : [array(actor.getLinearVelocity()), array(actor.getAngularVelocity())];
+      return [array(p), arrayOf(q), ...velocities];
+    }),
     readContacts: () => contacts,
     settings() {
       const each = (read, still) => bodies.map(({actor}, i) => (setup.bodies[i].static ? still : read(actor)));
@@ -237,38 +227,9 @@ function create(setup) {
   };
 }
 
-const shipped = new Px.PxSceneDesc(scale);
-const tuned = (min, max) => ({profiles: ['default', 'tgs'], min, max, logarithmic: true});
+const {bounceThresholdVelocity} = new Px.PxSceneDesc(scale);
 
 serve({
-  name: 'physx',
-  version: `${VERSION >> 24}.${(VERSION >> 16) & 255}.${(VERSION >> 8) & 255}`,
-  description: 'PhysX: PGS or TGS with patch friction',
-  runtime: 'webassembly',
-  precision: 'float',
-  integrator: 'semi-implicit Euler',
-  gyroscopic: 'explicit',
-  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull', 'mesh'],
-  contacts: ['points'],
-  files,
-  reads: ['settings', 'pairs'],
-  profiles: [
-    {name: 'default', help: 'projected Gauss-Seidel, as shipped', in_default_comparison: true, step_code: 'scene->simulate({});'},
-    {name: 'tgs', help: 'temporal Gauss-Seidel, with the options as shipped', step_code: 'scene->simulate({});'},
-    {name: 'recommended', help: 'TGS, as NVIDIA sets PhysX up for scenes with many contacts', in_default_comparison: true, step_code: 'scene->simulate({});',
-      values: {iterations: 8, restitution_threshold: 0.2}},
-  ],
-  sources: [
-    {profile: 'recommended', text: 'TGS: "can lead to improved convergence and handle large mass ratios ... better" (PhysX documentation, PxSolverType, https://nvidia-omniverse.github.io/PhysX/physx/5.6.0/_api_build/structPxSolverType.html)'},
-    {profile: 'recommended', text: 'time step: the example from Isaac Lab has 1/120 s'},
-    {profile: 'recommended', option: 'iterations', text: 'min_position_iteration_count=8 of the example "for a contact-rich manipulation task" (NVIDIA Isaac Lab, PhysX Configuration, https://isaac-sim.github.io/IsaacLab/develop/source/overview/core-concepts/physical-backends/physx/configuration.html)'},
-    {profile: 'recommended', option: 'restitution_threshold', text: 'bounce_threshold_velocity=0.2 of the same example'},
-  ],
-  options: [
-    {name: 'iterations', value: 4, min: 1, max: 255, integer: true, help: 'position iterations', code: 'body->setSolverIterationCounts({}, velocityIterations);', tune: tuned(1, 255)},
-    {name: 'velocity_iterations', value: 1, min: 0, max: 255, integer: true, help: 'velocity iterations', code: 'body->setSolverIterationCounts(positionIterations, {});'},
-    {name: 'restitution_threshold', value: shipped.bounceThresholdVelocity, min: 1e-6, max: 1e6, unit: 'm/s', help: 'slower impacts do not bounce', code: 'sceneDesc.bounceThresholdVelocity = {};'},
-    {name: 'contact_offset', value: 0.02, min: 1e-6, max: 1, unit: 'm', help: 'separation from which on contacts are made', code: 'shape->setContactOffset({});', tune: tuned(0.001, 0.1)},
-  ],
+  ...describe(`${VERSION >> 24}.${(VERSION >> 16) & 255}.${(VERSION >> 8) & 255}`, files, {restitution_threshold: bounceThresholdVelocity}),
   create,
 });

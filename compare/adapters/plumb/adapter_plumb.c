@@ -8,7 +8,7 @@
 #include "plumb/engine.h"
 #include "plumb/scenario.h"
 
-#include <math.h>
+#include <plumb_description.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,55 +21,6 @@ struct pl_engine_instance {
     int contact_capacity;
     double time;
     bool forces_applied; /* those of the coming step */
-};
-
-enum {
-    OPTION_TOLERANCE,
-    OPTION_UPDATES,
-    OPTION_ITERATIONS,
-    OPTION_SLOP,
-    OPTION_IMPACT_BODIES,
-    OPTION_THREADS,
-    OPTION_SLEEP,
-    OPTION_COUNT
-};
-
-/* How a program steps by {} seconds. */
-#define STEP_CODE "pe_world_step(world, {}, &stats, &error);"
-
-enum { ALL_PROFILES = 7 };
-
-static const pl_engine_option options[OPTION_COUNT] = {
-    {"tolerance", 1e-8, 1e-14, 1, false, "m/s", "natural-map residual that counts as solved",
-     "def.tolerance = {};", ALL_PROFILES, 1e-10, 1e-2, true},
-    {"updates", 2.4e6, 1, 1e12, true, "1",
-     "sweeps times contact points of one island, at most; a direct solve is weighed against it",
-     "def.max_contact_updates = {};", ALL_PROFILES, 1e3, 1e7, true},
-    {"iterations", 100000, 1, 1e6, true, "1",
-     "Newton steps and sweeps of one island in one step, at most", "def.max_iterations = {};", 0, 0,
-     0, false},
-    {"slop", 1e-4, 1e-12, 1, false, "m",
-     "penetration of swept islands is pushed out from six times this (accurate: three), down to "
-     "this",
-     "def.penetration_slop = {};", ALL_PROFILES, 1e-6, 1e-2, true},
-    {"impact_bodies", 2, 0, 1e6, true, "1",
-     "islands of so many bodies or fewer take impacts at their own time; fast: none",
-     "def.impact_bodies = {};", ALL_PROFILES, 0, 16, false},
-    {"threads", 1, 1, PE_MOST_THREADS, true, "1",
-     "threads of a step; the bits are the same for any number", "def.threads = {};", 0, 0, 0,
-     false},
-    {"sleep", 0, 0, 1, true, "1",
-     "1: islands sleep that were slower than 0.05 m/s for 0.5 s; what creeps stops then",
-     "def.sleep = {};", 0, 0, 0, false},
-};
-
-static const pl_engine_profile profiles[] = {
-    {"default", "solves an island directly unless sweeps are predicted to be cheaper", true,
-     STEP_CODE},
-    {"accurate", "the same, and solves directly up to four times the cost of the sweeps", true,
-     STEP_CODE},
-    {"fast", "substeps of soft contact; solves only quiet chains and small islands", true,
-     STEP_CODE},
 };
 
 static pe_vec3 vector(const double v[3])
@@ -214,8 +165,9 @@ static pl_status create(const pl_engine_setup *setup, pl_engine_instance **made,
 {
     const pl_scene *scene = setup->scene;
     const double *values = setup->values;
-    static const pe_profile profile_of[] = {PE_PROFILE_DEFAULT, PE_PROFILE_ACCURATE,
-                                            PE_PROFILE_FAST};
+    static const pe_profile profile_of[] = {[PROFILE_DEFAULT] = PE_PROFILE_DEFAULT,
+                                            [PROFILE_ACCURATE] = PE_PROFILE_ACCURATE,
+                                            [PROFILE_FAST] = PE_PROFILE_FAST};
     pe_world_def def = pe_world_def_default();
     def.profile = profile_of[setup->profile];
     def.gravity = vector(scene->gravity);
@@ -418,30 +370,10 @@ static const void *extension(const char *name)
 const pl_engine *pl_engine_plumb(void)
 {
     static const pl_engine engine = {
-        .struct_size = sizeof(pl_engine),
-        .abi_version = PL_ENGINE_ABI_VERSION,
-        .name = "plumb",
-        .version = PLUMB_PLUMB_VERSION,
-        .description = "this project's own engine",
-        .residual_unit = "m/s",
-        .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION |
-                        PL_NEEDS_FORCES | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX |
-                        PL_NEEDS_CAPSULE | PL_NEEDS_CYLINDER | PL_NEEDS_HULL | PL_NEEDS_MESH,
-        .contacts = PL_CONTACTS_POINTS | PL_CONTACTS_IMPULSES,
-        .integrator = PL_INTEGRATOR_MIDPOINT,
-        .gyroscopic = PL_GYROSCOPIC_IMPLICIT,
-        .substeps = 1,
-        .profiles = profiles,
-        .profile_count = sizeof profiles / sizeof profiles[0],
-        .options = options,
-        .option_count = OPTION_COUNT,
-        .create = create,
-        .destroy = destroy,
-        .step = step,
-        .read_frame = read_frame,
-        .read_settings = read_settings,
-        .read_pair = read_pair,
-        .read_contacts = read_contacts,
+        ENGINE_DESCRIPTION,       .create = create,
+        .destroy = destroy,       .step = step,
+        .read_frame = read_frame, .read_settings = read_settings,
+        .read_pair = read_pair,   .read_contacts = read_contacts,
         .extension = extension,
     };
     return &engine;

@@ -10,8 +10,8 @@
 // has several colliders of the same shape (materials.mjs).
 //
 // Contacts have points only: friction impulses are along tangents that the JavaScript interface does not give.
-import {apart, packageOf, serve} from './protocol.mjs';
-import {applyForces, principalPose, principalVertices, product, rotate, solidOf, writeState} from './mechanics.mjs';
+import {apart, describe, packageOf, serve} from './protocol.mjs';
+import {applyForces, principalPose, principalVertices, product, rotate, solidOf, writeFrame} from './mechanics.mjs';
 import {colliderPlan, rules} from './materials.mjs';
 
 const isDeterministic = process.argv[2] === 'deterministic';
@@ -55,11 +55,8 @@ function colliderOf(setup, body) {
 
 function addBody(world, setup, body, plan) {
   const {position, orientation} = principalPose(setup, body);
-  const isPlane = body.shape.type === 'plane';
-  const desc = body.static ? RAPIER.RigidBodyDesc.fixed() : RAPIER.RigidBodyDesc.dynamic();
-  if (!isPlane) {
-    desc.setTranslation(...position).setRotation(quaternion(orientation));
-  }
+  const desc = (body.static ? RAPIER.RigidBodyDesc.fixed() : RAPIER.RigidBodyDesc.dynamic())
+    .setTranslation(...position).setRotation(quaternion(orientation));
   if (!body.static) {
     desc.setLinvel(...body.velocity).setAngvel(vector(body.angular_velocity)).setCanSleep(false)
       .setAdditionalMassProperties(body.mass, vector([0, 0, 0]), vector(body.inertia), quaternion([1, 0, 0, 0]));
@@ -129,16 +126,10 @@ function create(setup) {
       return {iterations: options.iterations * options.pgs_iterations, time_collide: 1e-3 * world.timingCollisionDetection(),
         time_solve: 1e-3 * world.timingSolver()};
     },
-    readFrame(frame) {
-      bodies.forEach(({made}, index) => {
-        const body = setup.bodies[index];
-        if (body.shape.type === 'plane') {
-          writeState(frame, setup, index, body.position, body.orientation, [0, 0, 0], [0, 0, 0]);
-        } else {
-          writeState(frame, setup, index, array(made.translation()), arrayOf(made.rotation()), array(made.linvel()), array(made.angvel()));
-        }
-      });
-    },
+    readFrame: (frame) => writeFrame(frame, setup, (index) => {
+      const {made} = bodies[index];
+      return [array(made.translation()), arrayOf(made.rotation()), array(made.linvel()), array(made.angvel())];
+    }),
     readContacts() {
       const contacts = [];
       if (before.length === 0) {
@@ -184,40 +175,14 @@ function create(setup) {
 }
 
 const shipped = new RAPIER.IntegrationParameters();
-
-serve({
-  name: isDeterministic ? 'rapier-deterministic' : 'rapier',
-  version: RAPIER.version(),
-  description: 'Rapier: soft contacts by sub-steps, in Rust',
-  runtime: 'webassembly',
-  precision: 'float',
-  integrator: 'semi-implicit Euler',
-  gyroscopic: 'explicit',
-  substeps: shipped.numSolverIterations,
-  capabilities: ['friction', 'restitution', 'rotation', 'forces', 'plane', 'sphere', 'box', 'capsule', 'cylinder', 'hull', 'mesh'],
-  contacts: ['points'],
-  files,
-  reads: ['settings', 'pairs'],
-  profiles: [
-    {name: 'default', help: 'as shipped', in_default_comparison: true, step_code: 'world.timestep = {}; world.step();'},
-    {name: 'recommended', help: "with more solver iterations, as Rapier's documentation has it for accuracy", in_default_comparison: !isDeterministic,
-      step_code: 'world.timestep = {}; world.step();', values: {iterations: 8}},
-  ],
-  sources: [
-    {profile: 'recommended', option: 'iterations', text: 'Rapier documentation, IntegrationParameters: "For a more accurate (but slower) simulation: integration_params.num_solver_iterations = 8" (https://docs.rs/rapier3d/latest/rapier3d/dynamics/struct.IntegrationParameters.html)'},
-  ],
-  options: [
-    {name: 'iterations', value: shipped.numSolverIterations, min: 1, max: 1000, integer: true, help: 'sub-steps of a step, each with a solve',
-      code: 'world.numSolverIterations = {};', tune: {profiles: ['default'], min: 1, max: 100, logarithmic: true}},
-    {name: 'pgs_iterations', value: shipped.numInternalPgsIterations, min: 1, max: 1000, integer: true, help: 'sweeps of Gauss-Seidel in a sub-step',
-      code: 'world.numInternalPgsIterations = {};', tune: {profiles: ['default'], min: 1, max: 20, logarithmic: true}},
-    {name: 'contact_frequency', value: 30, min: 0.01, max: 1e6, unit: 'Hz', help: 'natural frequency of the contact springs',
-      code: 'world.integrationParameters.contact_natural_frequency = {};', tune: {profiles: ['default'], min: 5, max: 240, logarithmic: true}},
-    {name: 'allowed_error', value: shipped.normalizedAllowedLinearError, min: 0, max: 1, unit: 'm', help: 'penetration that is not undone',
-      code: 'world.integrationParameters.normalizedAllowedLinearError = {};'},
-    {name: 'prediction', value: shipped.normalizedPredictionDistance, min: 0, max: 1, unit: 'm', help: 'separation from which on contacts are made',
-      code: 'world.integrationParameters.normalizedPredictionDistance = {};'},
-    {name: 'contact_skin', value: 0, min: 0, max: 1, unit: 'm', help: 'thickness by which colliders keep apart', code: 'collider.setContactSkin({});'},
-  ],
-  create,
+const hello = describe(RAPIER.version(), files, {
+  iterations: shipped.numSolverIterations,
+  pgs_iterations: shipped.numInternalPgsIterations,
+  allowed_error: shipped.normalizedAllowedLinearError,
+  prediction: shipped.normalizedPredictionDistance,
 });
+if (isDeterministic) {
+  hello.name = 'rapier-deterministic';
+  hello.profiles[1].in_default_comparison = false;
+}
+serve({...hello, substeps: shipped.numSolverIterations, create});

@@ -91,6 +91,9 @@ function borderOf(triangles) {
   return polygon;
 }
 
+/** Where a plane is, as a frame whose z axis is its normal: {position, orientation}. */
+export const planePose = ({normal, offset}) => ({position: normal.map((n) => n * offset), orientation: rotationFromZ(normal)});
+
 /** Where the principal frame of a body is at the start: {position, orientation}. */
 export function principalPose(setup, body) {
   const solid = solidOf(setup, body);
@@ -104,21 +107,22 @@ export function principalPose(setup, body) {
   };
 }
 
-/** Writes the state of body `index` into a frame, from the pose of its principal frame. Angular velocity in world axes. */
-export function writeState(frame, setup, index, position, orientation, velocity, angularVelocity) {
-  const solid = solidOf(setup, setup.bodies[index]);
-  let q = orientation;
-  let x = position;
-  if (solid) {
-    q = product(orientation, inverse(solid.axes));
-    const offset = rotate(q, solid.centre);
-    x = position.map((value, k) => value - offset[k]);
-  }
-  const at = 13 * index;
-  frame.set(x, at);
-  frame.set(q, at + 3);
-  frame.set(velocity, at + 7);
-  frame.set(angularVelocity, at + 10);
+/**
+ * Writes the states of all bodies into a frame. stateOf(index) is that of a body's principal frame in the world, an array of
+ * position, orientation, velocity and angular velocity. Where it is null, and for a plane, the body rests where the scene has it.
+ */
+export function writeFrame(frame, setup, stateOf) {
+  setup.bodies.forEach((body, index) => {
+    const state = body.shape.type === 'plane' ? null : stateOf(index);
+    let [x, q, v, w] = state ?? [body.position, body.orientation, [0, 0, 0], [0, 0, 0]];
+    const solid = state && solidOf(setup, body);
+    if (solid) {
+      q = product(q, inverse(solid.axes));
+      const offset = rotate(q, solid.centre);
+      x = x.map((value, k) => value - offset[k]);
+    }
+    frame.set([...x, ...q, ...v, ...w], 13 * index);
+  });
 }
 
 /**

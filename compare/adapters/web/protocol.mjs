@@ -1,6 +1,6 @@
 // Serves an engine to Plumb by plumb.engine/1 (../process/PROTOCOL.md).
 //
-// An engine is an object with what it answers to hello, and with create(setup), which returns a scene:
+// An engine is an object with what it answers to hello (describe), and with create(setup), which returns a scene:
 //
 //   step(number)        makes step `number` (from 1) and returns its statistics, an object
 //   readFrame(out)      fills out, a Float64Array of 13 numbers a body, in the scene's order
@@ -40,8 +40,20 @@ export function packageOf(name, ...others) {
   return {version: JSON.parse(fs.readFileSync(files[0])).version, files};
 }
 
+const ADAPTER = process.argv[1];
+const DESCRIPTION = ADAPTER.replace(/mjs$/, 'json');
+
+/** What the adapter's hello.json says, which lies next to it by its name, with the engine's own `values` of options. */
+export function describe(version, files, values = {}) {
+  const hello = JSON.parse(fs.readFileSync(DESCRIPTION));
+  hello.options?.forEach((option) => {
+    option.value = values[option.name] ?? option.value;
+  });
+  return {name: path.basename(ADAPTER, '.mjs'), version, files, ...hello};
+}
+
 /** The files of an adapter that are not of a package. A hash of all files tells one engine from another. */
-const adapterFiles = () => [process.argv[1], ...['protocol', 'mechanics', 'materials'].map((name) => fileURLToPath(new URL(`${name}.mjs`, import.meta.url)))];
+const adapterFiles = () => [ADAPTER, DESCRIPTION, ...['protocol', 'mechanics', 'materials'].map((name) => fileURLToPath(new URL(`${name}.mjs`, import.meta.url)))];
 
 /* ---- Numbers: through descriptor 3 where it is a file, else as JSON arrays ---- */
 
