@@ -316,13 +316,6 @@ int pl_call_fail(const pl_call *call, const pl_error *error)
     return error->status == PL_BAD_INPUT ? PL_EXIT_USAGE : PL_EXIT_FAILED;
 }
 
-void pl_call_check(const pl_call *call, pl_status status, const pl_error *error)
-{
-    if (status != PL_OK) {
-        exit(pl_call_fail(call, error));
-    }
-}
-
 int pl_call_nothing(const pl_call *call, const char *why)
 {
     pl_print_line(stderr, "%s: %s", call->argv[0], why);
@@ -351,6 +344,33 @@ int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, 
     }
     pl_store_close(store);
     return pl_call_end(call, status, error, signal_number, code);
+}
+
+/* The results that are being made; NULL: none. */
+static pl_store *open_store;
+static const char *open_folder;
+
+pl_store *pl_request_open_store(const pl_call *call, const pl_request *request,
+                                const char *const *others)
+{
+    pl_error error = {.message = ""};
+    const pl_store_mode mode = pl_store_mode_of(request->resume, request->force);
+    pl_call_check(call, pl_store_open(request->out, mode, others, &open_store, &error), &error);
+    open_folder = request->out;
+    return open_store;
+}
+
+void pl_call_check_end(const pl_call *call, pl_status status, const pl_error *error,
+                       int signal_number)
+{
+    if (status != PL_OK || signal_number != 0) {
+        exit(pl_call_end_store(call, open_store, open_folder, status, error, signal_number, 0));
+    }
+}
+
+void pl_call_check(const pl_call *call, pl_status status, const pl_error *error)
+{
+    pl_call_check_end(call, status, error, 0);
 }
 
 void pl_call_print_json(const json_t *value)

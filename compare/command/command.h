@@ -6,6 +6,7 @@
 
 #include "plumb/base.h"
 #include "results/store.h"
+#include "studies/study.h"
 
 #include <jansson.h>
 #include <stddef.h>
@@ -109,7 +110,12 @@ void pl_call_parse(const pl_call *call, void *options);
 /* Reports an error, and returns its exit code. */
 int pl_call_fail(const pl_call *call, const pl_error *error);
 
-/* Ends the program with an error that is reported, unless the status is PL_OK. */
+/* Ends the program as pl_call_end does, unless the status is PL_OK and no signal came. Where results of
+ * pl_request_open_store are open, it also says how to go on. */
+void pl_call_check_end(const pl_call *call, pl_status status, const pl_error *error,
+                       int signal_number);
+
+/* The same where no signal is waited for. */
 void pl_call_check(const pl_call *call, pl_status status, const pl_error *error);
 
 /* Reports that there is nothing to do, and why. Returns PL_EXIT_NOTHING. */
@@ -146,6 +152,29 @@ typedef struct pl_exit_meaning {
 
 /* All of them. Static storage. */
 const pl_exit_meaning *pl_exit_meanings(int *count);
+
+/* Prints what can stand in the place of the last of `words`, the command line after `plumb`, for the scripts of
+ * compare/completion: plumb __complete WORD..., which `plumb help` does not list. Each candidate is a line
+ * "CANDIDATE\tDESCRIPTION", where CANDIDATE is the whole word. After one that ends in '=', ',' or ':' the word goes
+ * on. A line ":files SUFFIX" stands for all files whose names end in SUFFIX, and for all folders; for folders alone
+ * where SUFFIX is "/", and for all files where it is empty. Such a line comes only where no candidate fits. No engine
+ * is started. Never fails, and returns PL_EXIT_OK. */
+int pl_complete(int word_count, char *const *words);
+
+/* All studies, in the order of reports. Static storage. */
+const pl_study *const *pl_studies(int *count);
+
+/* The study with conclusions plumb.KIND/1; NULL: none. */
+const pl_study *pl_study_find(const char *kind);
+
+/* Runs a program, looked up in PATH, to its end. `argv` ends with a NULL. Its standard output goes to the file
+ * `output`; it has no input, and its messages go nowhere. Returns its exit code, or 128 plus the number of the signal
+ * that ended it; -1: it could not be started, and errno says why. */
+int pl_run_program(const char *const *argv, const char *output);
+
+/* Opens a file with the program of the environment variable BROWSER, else with xdg-open. PL_IO when
+ * neither can be started: the message names the file. */
+pl_status pl_open_page(const char *path, pl_error *error);
 
 /* The program: finds the command, runs it, and returns the exit code. */
 int pl_program(int argc, char **argv);

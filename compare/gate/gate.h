@@ -145,10 +145,11 @@ typedef enum pl_gate_operator {
 /* A rule, [SCENARIO[/ENGINE]:] METRIC OP VALUE. */
 typedef struct pl_gate_rule {
     const char *text;                /* as given, borrowed */
-    char scenario[256], engine[256]; /* shell patterns; "*": any */
+    char scenario[256], engine[256]; /* shell patterns; "": any */
     char metric[PL_NAME_SIZE];
     pl_gate_operator op;
     bool is_text, is_relative; /* relative: to the baseline */
+    bool is_bound;             /* the operator is neither == nor != */
     double value;              /* +10 %: 0.1 */
     char word[64];             /* of a text */
     int value_column;          /* from 1 */
