@@ -62,8 +62,10 @@ typedef struct pl_option {
     const char *values;
 } pl_option;
 
+enum { PL_COMMON_OPTIONS = 3 };
+
 /* --help, --usage and --version, which every command has. Ends with {0}. */
-extern const pl_option pl_common_options[];
+extern const pl_option pl_common_options[PL_COMMON_OPTIONS + 1];
 
 /* An option with its help in a command. */
 typedef struct pl_listed_option {
@@ -100,8 +102,12 @@ typedef struct pl_command {
 
 enum { PL_MOST_OPTIONS = 64 };
 
-/* Lists the options of a command without the common ones, its own first. Returns their number. */
+/* Lists the options of a command, its own first and the common ones last. Returns their number. */
 int pl_command_options(const pl_command *command, pl_listed_option options[PL_MOST_OPTIONS]);
+
+/* The only one of `count` options that begins with the first `length` characters of `name`, or is `name`, as getopt
+ * finds it. -1: there is none; -2: several. */
+int pl_option_find(const pl_listed_option *options, int count, const char *name, size_t length);
 
 /* Parses the command line into the command's options, which hold their defaults before. Ends the
  * program on bad usage (exit 2, with a suggestion for an unknown option), --help and --version. */
