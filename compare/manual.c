@@ -161,7 +161,7 @@ static void print_usage(const pl_command *command, bool has_options)
 static void print_command(const pl_command *command)
 {
     pl_listed_option options[PL_MOST_OPTIONS];
-    const int count = pl_command_options(command, options);
+    const int count = pl_command_options(command, options) - PL_COMMON_OPTIONS;
     fputs(".SS ", stdout);
     print_text(command->name);
     putchar('\n');

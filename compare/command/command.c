@@ -14,19 +14,14 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { FIRST_KEY = 0x100 };
+enum { FIRST_KEY = 0x100, HELP_OPTION = 0, USAGE_OPTION = 1 };
 
 /* Options that argp itself understands, with its help. */
-const pl_option pl_common_options[] = {
+const pl_option pl_common_options[PL_COMMON_OPTIONS + 1] = {
     {.name = "help", .help = "Give this help list", .letter = '?'},
     {.name = "usage", .help = "Give a short usage message"},
     {.name = "version", .help = "Print program version", .letter = 'V'},
     {0}};
-enum {
-    HELP_OPTION = 0,
-    USAGE_OPTION = 1,
-    COMMON_COUNT = sizeof pl_common_options / sizeof pl_common_options[0] - 1
-};
 
 /* A command line that is being parsed. */
 typedef struct parsing {
@@ -71,35 +66,15 @@ int pl_command_options(const pl_command *command, pl_listed_option options[PL_MO
     for (int i = 0; i < PL_SHARED_OPTIONS && command->shared[i] != NULL; ++i) {
         collect(command, command->shared[i], options, &count);
     }
+    collect(command, pl_common_options, options, &count);
     return count;
 }
 
-/* Lists the options, for argp too. */
-static void list_options(parsing *p)
-{
-    p->count = pl_command_options(p->call->command, p->table);
-    for (int i = 0; i < p->count; ++i) {
-        const pl_option *option = p->table[i].option;
-        p->argp[i] =
-            (struct argp_option){.name = option->name,
-                                 .key = option->letter != 0 ? option->letter : FIRST_KEY + i,
-                                 .arg = option->argument,
-                                 .doc = p->table[i].help};
-    }
-}
-
-static const char *option_name(const parsing *p, int i)
-{
-    return i < p->count ? p->table[i].option->name : pl_common_options[i - p->count].name;
-}
-
-/* The only option that begins with the first `length` characters of `name`, or is `name`, as getopt
- * finds it; pl_common_options have indices from p->count on. -1: there is none; -2: several. */
-static int find(const parsing *p, const char *name, size_t length)
+int pl_option_find(const pl_listed_option *options, int count, const char *name, size_t length)
 {
     int found = -1;
-    for (int i = 0; i < p->count + COMMON_COUNT; ++i) {
-        const char *other = option_name(p, i);
+    for (int i = 0; i < count; ++i) {
+        const char *other = options[i].option->name;
         if (strncmp(other, name, length) == 0) {
             if (strlen(other) == length) {
                 return i;
@@ -110,15 +85,29 @@ static int find(const parsing *p, const char *name, size_t length)
     return found;
 }
 
+/* Lists the options, for argp too. */
+static void list_options(parsing *p)
+{
+    p->count = pl_command_options(p->call->command, p->table);
+    for (int i = 0; i < p->count - PL_COMMON_OPTIONS; ++i) {
+        const pl_option *option = p->table[i].option;
+        p->argp[i] =
+            (struct argp_option){.name = option->name,
+                                 .key = option->letter != 0 ? option->letter : FIRST_KEY + i,
+                                 .arg = option->argument,
+                                 .doc = p->table[i].help};
+    }
+}
+
 static void reject_unknown(const parsing *p, const char *option, size_t length)
 {
     char word[PL_NAME_SIZE];
-    const char *names[PL_MOST_OPTIONS + COMMON_COUNT];
-    for (int i = 0; i < p->count + COMMON_COUNT; ++i) {
-        names[i] = option_name(p, i);
+    const char *names[PL_MOST_OPTIONS];
+    for (int i = 0; i < p->count; ++i) {
+        names[i] = p->table[i].option->name;
     }
     snprintf(word, sizeof word, "%.*s", (int)length, option);
-    const char *nearest = pl_nearest_name(word, names, p->count + COMMON_COUNT);
+    const char *nearest = pl_nearest_name(word, names, p->count);
     const char *self = p->call->argv[0];
     pl_print_line(stderr,
                   nearest == NULL ? "%s: there is no option --%s; see %s --help"
@@ -136,15 +125,15 @@ static void check_options(parsing *p)
         const char *argument = call->argv[i];
         if (strncmp(argument, "--", 2) == 0) {
             size_t length = strcspn(argument + 2, "=");
-            int found = find(p, argument + 2, length);
+            const int found = pl_option_find(p->table, p->count, argument + 2, length);
             if (found == -1) {
                 reject_unknown(p, argument + 2, length);
             }
-            if (found == p->count + HELP_OPTION || found == p->count + USAGE_OPTION) {
-                p->explains = found == p->count + HELP_OPTION ? "--help" : "--usage";
+            const int common = found - (p->count - PL_COMMON_OPTIONS);
+            if (common == HELP_OPTION || common == USAGE_OPTION) {
+                p->explains = common == HELP_OPTION ? "--help" : "--usage";
             }
-            bool takes_argument =
-                found >= 0 && found < p->count && p->table[found].option->argument;
+            const bool takes_argument = found >= 0 && p->table[found].option->argument != NULL;
             i += takes_argument && argument[2 + length] != '=';
         }
     }
@@ -242,7 +231,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         state->flags |= ARGP_NO_EXIT;
         return key == ARGP_KEY_INIT || key == ARGP_KEY_END ? 0 : ARGP_ERR_UNKNOWN;
     }
-    for (int i = 0; i < p->count; ++i) {
+    for (int i = 0; i < p->count - PL_COMMON_OPTIONS; ++i) {
         if (p->argp[i].key == key) {
             set_option(p->table[i].option, p->options, text, state);
             return 0;
@@ -316,13 +305,6 @@ int pl_call_fail(const pl_call *call, const pl_error *error)
     return error->status == PL_BAD_INPUT ? PL_EXIT_USAGE : PL_EXIT_FAILED;
 }
 
-void pl_call_check(const pl_call *call, pl_status status, const pl_error *error)
-{
-    if (status != PL_OK) {
-        exit(pl_call_fail(call, error));
-    }
-}
-
 int pl_call_nothing(const pl_call *call, const char *why)
 {
     pl_print_line(stderr, "%s: %s", call->argv[0], why);
@@ -351,6 +333,33 @@ int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, 
     }
     pl_store_close(store);
     return pl_call_end(call, status, error, signal_number, code);
+}
+
+/* The results that are being made; NULL: none. */
+static pl_store *open_store;
+static const char *open_folder;
+
+pl_store *pl_request_open_store(const pl_call *call, const pl_request *request,
+                                const char *const *others)
+{
+    pl_error error = {.message = ""};
+    const pl_store_mode mode = pl_store_mode_of(request->resume, request->force);
+    pl_call_check(call, pl_store_open(request->out, mode, others, &open_store, &error), &error);
+    open_folder = request->out;
+    return open_store;
+}
+
+void pl_call_check_end(const pl_call *call, pl_status status, const pl_error *error,
+                       int signal_number)
+{
+    if (status != PL_OK || signal_number != 0) {
+        exit(pl_call_end_store(call, open_store, open_folder, status, error, signal_number, 0));
+    }
+}
+
+void pl_call_check(const pl_call *call, pl_status status, const pl_error *error)
+{
+    pl_call_check_end(call, status, error, 0);
 }
 
 void pl_call_print_json(const json_t *value)

@@ -6,6 +6,7 @@
 
 #include "plumb/base.h"
 #include "results/store.h"
+#include "studies/study.h"
 
 #include <jansson.h>
 #include <stddef.h>
@@ -61,8 +62,10 @@ typedef struct pl_option {
     const char *values;
 } pl_option;
 
+enum { PL_COMMON_OPTIONS = 3 };
+
 /* --help, --usage and --version, which every command has. Ends with {0}. */
-extern const pl_option pl_common_options[];
+extern const pl_option pl_common_options[PL_COMMON_OPTIONS + 1];
 
 /* An option with its help in a command. */
 typedef struct pl_listed_option {
@@ -99,8 +102,12 @@ typedef struct pl_command {
 
 enum { PL_MOST_OPTIONS = 64 };
 
-/* Lists the options of a command without the common ones, its own first. Returns their number. */
+/* Lists the options of a command, its own first and the common ones last. Returns their number. */
 int pl_command_options(const pl_command *command, pl_listed_option options[PL_MOST_OPTIONS]);
+
+/* The only one of `count` options that begins with the first `length` characters of `name`, or is `name`, as getopt
+ * finds it. -1: there is none; -2: several. */
+int pl_option_find(const pl_listed_option *options, int count, const char *name, size_t length);
 
 /* Parses the command line into the command's options, which hold their defaults before. Ends the
  * program on bad usage (exit 2, with a suggestion for an unknown option), --help and --version. */
@@ -109,7 +116,12 @@ void pl_call_parse(const pl_call *call, void *options);
 /* Reports an error, and returns its exit code. */
 int pl_call_fail(const pl_call *call, const pl_error *error);
 
-/* Ends the program with an error that is reported, unless the status is PL_OK. */
+/* Ends the program as pl_call_end does, unless the status is PL_OK and no signal came. Where results of
+ * pl_request_open_store are open, it also says how to go on. */
+void pl_call_check_end(const pl_call *call, pl_status status, const pl_error *error,
+                       int signal_number);
+
+/* The same where no signal is waited for. */
 void pl_call_check(const pl_call *call, pl_status status, const pl_error *error);
 
 /* Reports that there is nothing to do, and why. Returns PL_EXIT_NOTHING. */
@@ -146,6 +158,29 @@ typedef struct pl_exit_meaning {
 
 /* All of them. Static storage. */
 const pl_exit_meaning *pl_exit_meanings(int *count);
+
+/* Prints what can stand in the place of the last of `words`, the command line after `plumb`, for the scripts of
+ * compare/completion: plumb __complete WORD..., which `plumb help` does not list. Each candidate is a line
+ * "CANDIDATE\tDESCRIPTION", where CANDIDATE is the whole word. After one that ends in '=', ',' or ':' the word goes
+ * on. A line ":files SUFFIX" stands for all files whose names end in SUFFIX, and for all folders; for folders alone
+ * where SUFFIX is "/", and for all files where it is empty. Such a line comes only where no candidate fits. No engine
+ * is started. Never fails, and returns PL_EXIT_OK. */
+int pl_complete(int word_count, char *const *words);
+
+/* All studies, in the order of reports. Static storage. */
+const pl_study *const *pl_studies(int *count);
+
+/* The study with conclusions plumb.KIND/1; NULL: none. */
+const pl_study *pl_study_find(const char *kind);
+
+/* Runs a program, looked up in PATH, to its end. `argv` ends with a NULL. Its standard output goes to the file
+ * `output`; it has no input, and its messages go nowhere. Returns its exit code, or 128 plus the number of the signal
+ * that ended it; -1: it could not be started, and errno says why. */
+int pl_run_program(const char *const *argv, const char *output);
+
+/* Opens a file with the program of the environment variable BROWSER, else with xdg-open. PL_IO when
+ * neither can be started: the message names the file. */
+pl_status pl_open_page(const char *path, pl_error *error);
 
 /* The program: finds the command, runs it, and returns the exit code. */
 int pl_program(int argc, char **argv);

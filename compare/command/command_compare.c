@@ -3,7 +3,6 @@
  * nothing get a converged reference, DIR/reference.json. */
 #include "base/folding.h"
 #include "base/heap.h"
-#include "open_page.h"
 #include "report/report.h"
 #include "request.h"
 #include "results/store.h"
@@ -27,14 +26,6 @@ typedef struct options {
     bool open;          /* --open */
 } options;
 
-/* Converged references of the scene files that expect nothing. */
-typedef struct references {
-    char *folder;    /* of the paths of runs, while they are needed */
-    char *path;      /* of reference.json */
-    json_t *before;  /* what is there already; NULL: nothing */
-    json_t *outcome; /* NULL: none */
-} references;
-
 static void print_table(const pl_result_table *results)
 {
     const char *plain = getenv("NO_COLOR");
@@ -44,12 +35,16 @@ static void print_table(const pl_result_table *results)
 }
 
 /* Report, --json and table, of the results in the store that are of no study; the table last, because a reader of it
- * that leaves early ends the program. */
-static pl_status deliver(const options *o, const json_t *all, json_t *results,
-                         const json_t *reference, pl_error *error)
+ * that leaves early ends the program. Returns the exit code. */
+static int deliver(const pl_call *call, const options *o, const json_t *all,
+                   const json_t *reference)
 {
+    pl_error error = {.message = ""};
+    json_t *results = pl_results_of_study(all, NULL);
+    const size_t count = json_array_size(results);
     const char *const folders[] = {o->request.out};
     char *path = pl_heap_format("%s/results.jsonl", o->request.out);
+    char *page = pl_heap_format("%s/index.html", o->request.out);
     const pl_result_file file = {.path = path, .results = all};
     const pl_result_table_def table_def = {
         .files = &file, .file_count = 1, .home = o->request.home};
@@ -59,173 +54,123 @@ static pl_status deliver(const options *o, const json_t *all, json_t *results,
                                .folders = folders,
                                .folder_count = 1,
                                .reference = reference};
-    pl_status status = pl_result_table_build(&table_def, &table, error);
-    const bool is_built = status == PL_OK;
-    if (is_built) {
-        status = pl_report_write(&def, error);
-    }
+    pl_call_check(call, pl_result_table_build(&table_def, &table, &error), &error);
+    pl_status status = pl_report_write(&def, &error);
     if (status == PL_OK) {
-        status = pl_results_write_json(o->request.json, results, error);
+        status = pl_results_write_json(o->request.json, results, &error);
     }
-    if (is_built && !pl_is_stdout(o->request.json)) {
+    if (!pl_is_stdout(o->request.json)) {
         print_table(&table);
         pl_reference_study_print(stdout, reference);
     }
-    if (status == PL_OK) {
-        size_t count = json_array_size(results);
-        fflush(stdout);
-        pl_result_table_print_left_out(&table, stderr);
-        pl_print_line(stderr, "%zu %s and the report are in %s/", count,
-                      count == 1 ? "result" : "results", o->request.out);
+    pl_call_check(call, status, &error);
+    fflush(stdout);
+    pl_result_table_print_left_out(&table, stderr);
+    pl_print_line(stderr, "%zu %s and the report are in %s/", count,
+                  count == 1 ? "result" : "results", o->request.out);
+    if (o->open) {
+        pl_call_check(call, pl_open_page(page, &error), &error);
     }
-    if (status == PL_OK && o->open) {
-        char page[4096];
-        snprintf(page, sizeof page, "%.4000s/index.html", o->request.out);
-        status = pl_open_page(page, error);
-    }
+    const int code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     pl_result_table_free(&table);
+    json_decref(results);
     free(path);
-    return status;
+    free(page);
+    return code;
 }
 
-static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store, json_t *provenance,
-                         const char *recordings, int *signal_number, pl_error *error)
+/* Makes the folder of recordings. Returns its path, which the caller frees. */
+static char *prepare_recordings(const pl_call *call, const options *o)
 {
-    const pl_execution_def execution = {.plan = plan,
-                                        .jobs = o->request.jobs,
-                                        .limits = o->request.limits,
-                                        .recordings = recordings,
-                                        .provenance = provenance,
-                                        .store = store,
-                                        .progress = stderr};
-    return o->tolerance ? pl_tolerance_execute(&execution, signal_number, error)
-                        : pl_execute(&execution, signal_number, error);
-}
-
-/* Makes the folder of recordings, whose path the caller frees; NULL: none are asked for. */
-static pl_status prepare_recordings(const options *o, char **folder, pl_error *error)
-{
-    if (o->no_recordings) {
-        return PL_OK;
-    }
+    pl_error error = {.message = ""};
     char *path = pl_heap_format("%s/recordings", o->request.out);
-    pl_status status = pl_make_directories(path, error);
-    if (status == PL_OK) {
-        *folder = realpath(path, NULL); /* an engine may change the working directory */
-        status =
-            *folder == NULL ? pl_fail(error, PL_IO, "%.300s: %s", path, strerror(errno)) : PL_OK;
+    pl_call_check(call, pl_make_directories(path, &error), &error);
+    char *folder = realpath(path, NULL); /* an engine may change the working directory */
+    if (folder == NULL) {
+        pl_fail(&error, PL_IO, "%.300s: %s", path, strerror(errno));
+        pl_call_check(call, PL_IO, &error);
     }
     free(path);
-    return status;
+    return folder;
 }
 
-/* Looks which references are due. The directory of results exists. The caller frees *r in any case. */
-static pl_status begin_references(const options *o, const pl_plan *plan, references *r,
-                                  pl_error *error)
+static void make_runs(const pl_call *call, const options *o, pl_execution_def execution)
 {
-    r->folder = pl_heap_format("%s/reference-paths", o->request.out);
-    r->path = pl_heap_format("%s/reference.json", o->request.out);
-    r->before = o->request.resume ? json_load_file(r->path, 0, NULL) : NULL;
-    if (!o->request.resume) {
-        pl_positions_clear(r->folder);
-    }
-    const bool is_due = !o->no_reference && pl_reference_study_due(plan, r->before) > 0;
-    return is_due ? pl_make_directories(r->folder, error) : PL_OK;
+    int signal_number = 0;
+    pl_error error = {.message = ""};
+    char *recordings = o->no_recordings ? NULL : prepare_recordings(call, o);
+    execution.recordings = recordings;
+    pl_request_note_threads(call, execution.plan);
+    const pl_status status =
+        (o->tolerance ? pl_tolerance_execute : pl_execute)(&execution, &signal_number, &error);
+    free(recordings);
+    pl_call_check_end(call, status, &error, signal_number);
 }
 
-/* Makes the references and writes them. */
-static pl_status make_references(const options *o, const pl_plan *plan, const json_t *results,
-                                 json_t *provenance, pl_store *store, references *r,
-                                 int *signal_number, pl_error *error)
+/* Makes the converged references of scene files that expect nothing, and writes reference.json. Returns their outcome;
+ * NULL: there is none, and that of an earlier comparison does not stay next to the results of this one. */
+static json_t *make_references(const pl_call *call, const options *o, pl_execution_def execution,
+                               const char *folder, const json_t *before)
 {
-    const pl_reference_study_def def = {.execution = {.plan = plan,
-                                                      .jobs = o->request.jobs,
-                                                      .limits = o->request.limits,
-                                                      .positions = r->folder,
-                                                      .provenance = provenance,
-                                                      .store = store,
-                                                      .progress = stderr},
-                                        .results = results,
-                                        .before = r->before};
-    if (o->no_reference || pl_reference_study_cases(plan) == 0) {
-        return PL_OK;
+    int signal_number = 0;
+    json_t *outcome = NULL;
+    pl_error error = {.message = ""};
+    char *path = pl_heap_format("%s/reference.json", o->request.out);
+    execution.positions = folder;
+    if (!o->no_reference && pl_reference_study_cases(execution.plan) > 0) {
+        const pl_reference_study_def def = {
+            .execution = execution, .results = pl_store_results(execution.store), .before = before};
+        pl_status status = pl_reference_study(&def, &outcome, &signal_number, &error);
+        if (status == PL_OK && outcome != NULL) {
+            status = pl_results_write_json(path, outcome, &error);
+        }
+        pl_positions_clear(folder);
+        pl_call_check_end(call, status, &error, signal_number);
     }
-    pl_status status = pl_reference_study(&def, &r->outcome, signal_number, error);
-    if (status == PL_OK && r->outcome != NULL) {
-        status = pl_results_write_json(r->path, r->outcome, error);
+    if (outcome == NULL) {
+        unlink(path);
     }
-    pl_positions_clear(r->folder);
-    return status;
-}
-
-/* What a comparison that has ended replaces. */
-static void remove_old(const options *o, pl_store *store)
-{
-    pl_store_finish(store);
-    if (o->request.force) {
-        char *recordings = pl_heap_format("%s/recordings", o->request.out);
-        pl_recordings_remove(recordings, pl_store_runs(store));
-        free(recordings);
-    }
-}
-
-/* The outcome of an earlier comparison does not stay next to the results of this one. */
-static void drop_old_reference(const references *r)
-{
-    if (r->outcome == NULL) {
-        unlink(r->path);
-    }
-}
-
-static void free_references(references *r)
-{
-    free(r->folder);
-    free(r->path);
-    json_decref(r->before);
-    json_decref(r->outcome);
+    free(path);
+    return outcome;
 }
 
 /* Runs what is due and delivers. */
 static int execute(const pl_call *call, const options *o, const pl_plan *plan)
 {
-    pl_error error = {.message = ""};
-    pl_store *store = NULL;
-    references r = {.folder = NULL};
     static const char *const report_files[] = {"index.html", NULL};
-    const pl_store_mode mode = pl_store_mode_of(o->request.resume, o->request.force);
-    int signal_number = 0;
-    int code = PL_EXIT_OK;
+    pl_error error = {.message = ""};
+    pl_store *store = pl_request_open_store(call, &o->request, report_files);
     json_t *provenance = pl_call_provenance(call);
-    pl_status status = pl_store_open(o->request.out, mode, report_files, &store, &error);
-    char *recordings = NULL;
-    if (status == PL_OK) {
-        status = prepare_recordings(o, &recordings, &error);
+    const pl_execution_def execution = {.plan = plan,
+                                        .jobs = o->request.jobs,
+                                        .limits = o->request.limits,
+                                        .provenance = provenance,
+                                        .store = store,
+                                        .progress = stderr};
+    char *paths = pl_heap_format("%s/reference-paths", o->request.out);
+    char *known = pl_heap_format("%s/reference.json", o->request.out);
+    char *recordings = pl_heap_format("%s/recordings", o->request.out);
+    json_t *before = o->request.resume ? json_load_file(known, 0, NULL) : NULL;
+    if (!o->request.resume) {
+        pl_positions_clear(paths);
     }
-    if (status == PL_OK) {
-        status = begin_references(o, plan, &r, &error);
+    if (!o->no_reference && pl_reference_study_due(plan, before) > 0) {
+        pl_call_check(call, pl_make_directories(paths, &error), &error);
     }
-    if (status == PL_OK) {
-        pl_request_note_threads(call, plan);
-        status = run_all(o, plan, store, provenance, recordings, &signal_number, &error);
+    make_runs(call, o, execution);
+    json_t *reference = make_references(call, o, execution, paths, before);
+    const int code = deliver(call, o, pl_store_results(store), reference);
+    pl_store_finish(store);
+    if (o->request.force) {
+        pl_recordings_remove(recordings, pl_store_runs(store));
     }
-    free(recordings);
-    if (status == PL_OK && signal_number == 0) {
-        status = make_references(o, plan, pl_store_results(store), provenance, store, &r,
-                                 &signal_number, &error);
-    }
-    if (status == PL_OK && signal_number == 0) {
-        json_t *results = pl_results_of_study(pl_store_results(store), NULL);
-        drop_old_reference(&r);
-        status = deliver(o, pl_store_results(store), results, r.outcome, &error);
-        code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-        json_decref(results);
-    }
-    if (status == PL_OK && signal_number == 0) {
-        remove_old(o, store);
-    }
-    free_references(&r);
+    json_decref(before);
+    json_decref(reference);
     json_decref(provenance);
-    return pl_call_end_store(call, store, o->request.out, status, &error, signal_number, code);
+    free(paths);
+    free(known);
+    free(recordings);
+    return pl_call_end_store(call, store, o->request.out, PL_OK, &error, 0, code);
 }
 
 static int run(const pl_call *call)
@@ -238,18 +183,10 @@ static int run(const pl_call *call)
     }
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = o.repeats};
-    int code = PL_EXIT_OK;
-    pl_status status = pl_request_outputs(&o.request, NULL, &error);
-    if (status == PL_OK) {
-        status = pl_request_plan(call, &o.request, &plan, &error);
-    }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (pl_plan_size(&plan) == 0) {
-        code = pl_call_nothing(call, "there is nothing to compare");
-    } else {
-        code = execute(call, &o, &plan);
-    }
+    pl_call_check(call, pl_request_outputs(&o.request, NULL, &error), &error);
+    pl_call_check(call, pl_request_plan(call, &o.request, &plan, &error), &error);
+    const int code = pl_plan_size(&plan) == 0 ? pl_call_nothing(call, "there is nothing to compare")
+                                              : execute(call, &o, &plan);
     pl_plan_free(&plan);
     pl_request_free(&o.request);
     return code;

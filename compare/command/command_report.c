@@ -9,7 +9,6 @@
 #include "results/store.h"
 #include "studies/sweep/shard_merge.h"
 #include "study_command.h"
-#include "study_list.h"
 
 #include <stdlib.h>
 #include <string.h>

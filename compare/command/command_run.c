@@ -1,6 +1,7 @@
 /* plumb run SCENARIO --engine SPEC: one run, one result. */
 #include "base/folding.h"
 #include "base/heap.h"
+#include "base/json_get.h"
 #include "base/table.h"
 #include "capture_file.h"
 #include "request.h"
@@ -69,16 +70,15 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
 static void add_metric(pl_table *table, const char *name, const json_t *metric)
 {
     const json_t *value = json_object_get(metric, "value");
-    const json_t *answer = json_object_get(metric, "answer");
+    const int answer = (int)pl_json_get_number(metric, "answer");
     pl_table_add(table, name);
     if (json_is_string(value)) {
         pl_table_add(table, json_string_value(value));
-    } else if (json_is_number(value) && answer != NULL) {
-        pl_table_format_cell(table, "%.6g %s, nearest right answer: %d", json_number_value(value),
-                             pl_json_get_text(metric, "unit"), (int)json_integer_value(answer));
     } else if (json_is_number(value)) {
-        pl_table_format_cell(table, "%.6g %s", json_number_value(value),
-                             pl_json_get_text(metric, "unit"));
+        char nearest[64] = "";
+        snprintf(nearest, sizeof nearest, ", nearest right answer: %d", answer);
+        pl_table_format_cell(table, "%.6g %s%s", json_number_value(value),
+                             pl_json_get_text(metric, "unit"), answer == 0 ? "" : nearest);
     } else {
         pl_table_format_cell(table, "none: %s", pl_json_get_text(metric, "reason"));
     }
@@ -89,10 +89,9 @@ static void print_result(const json_t *result)
     pl_folding folding;
     FILE *out = pl_folding_begin(&folding, stdout);
     const json_t *steps = json_object_get(result, "steps");
-    fprintf(out, "%s on %s: %s, %lld of %lld steps\n", pl_json_get_text(result, "scenario"),
+    fprintf(out, "%s on %s: %s, %.0f of %.0f steps\n", pl_json_get_text(result, "scenario"),
             pl_json_get_text(result, "label"), pl_json_get_text(result, "outcome"),
-            (long long)json_integer_value(json_object_get(steps, "done")),
-            (long long)json_integer_value(json_object_get(steps, "asked")));
+            pl_json_get_number(steps, "done"), pl_json_get_number(steps, "asked"));
     if (pl_json_get_text(result, "reason")[0] != '\0') {
         fprintf(out, "  %s\n", pl_json_get_text(result, "reason"));
     }
@@ -157,15 +156,6 @@ static pl_status close_trajectory(trajectory *t, pl_status status, bool is_compl
                : status;
 }
 
-/* Writes the result where it was asked for. */
-static pl_status deliver(const options *o, const json_t *result, pl_error *error)
-{
-    if (!pl_is_stdout(o->request.json) && !pl_is_stdout(o->trajectory)) {
-        print_result(result);
-    }
-    return pl_results_write_json(o->request.json, result, error);
-}
-
 /* Where a captured contact problem comes from: these keys of the run's identity. */
 static json_t *capture_source(const pl_plan *plan)
 {
@@ -181,43 +171,37 @@ static json_t *capture_source(const pl_plan *plan)
     return source;
 }
 
-/* Prepares the capture, where one is asked for and can be made. */
-static pl_status prepare_capture(const options *o, const pl_plan *plan, pl_capture_target *target,
-                                 pl_error *error)
+/* Checks that the capture which is asked for can be made. */
+static pl_status check_capture(const options *o, const pl_plan *plan, pl_error *error)
 {
-    if (o->capture == NULL) {
-        return PL_OK;
-    }
     const pl_engine_info *engine = plan->configurations[0].choice.engine;
-    long steps = pl_scene_steps(&plan->cases[0].scene);
-    if (!engine->gives_contact_problems) {
+    const long steps = pl_scene_steps(&plan->cases[0].scene);
+    if (o->capture != NULL && !engine->gives_contact_problems) {
         return pl_fail(error, PL_UNSUPPORTED,
                        "--capture: engine %s does not give its contact "
                        "problems; plumb does",
                        engine->name);
     }
-    if (o->capture_step > steps) {
-        return pl_fail(error, PL_BAD_INPUT, "--capture: expected a step of 1 to %ld, found %ld",
-                       steps, o->capture_step);
-    }
-    *target = (pl_capture_target){
-        .path = o->capture, .step = o->capture_step, .source = capture_source(plan)};
-    return PL_OK;
+    return o->capture == NULL || o->capture_step <= steps
+               ? PL_OK
+               : pl_fail(error, PL_BAD_INPUT, "--capture: expected a step of 1 to %ld, found %ld",
+                         steps, o->capture_step);
 }
 
-static pl_status execute(const pl_call *call, const options *o, pl_plan *plan, json_t **result,
-                         int *signal_number, pl_error *error)
+/* Returns the result. */
+static json_t *execute(const pl_call *call, const options *o, const pl_plan *plan)
 {
-    pl_capture_target target = {.path = NULL};
-    const pl_capture capture = {.step = o->capture_step, .take = pl_capture_write, .user = &target};
+    int signal_number = 0;
+    pl_error error = {.message = ""};
     trajectory frames = {.file = NULL};
+    pl_call_check(call, check_capture(o, plan, &error), &error);
+    pl_capture_target target = {
+        .path = o->capture, .step = o->capture_step, .source = capture_source(plan)};
+    const pl_capture capture = {.step = o->capture_step, .take = pl_capture_write, .user = &target};
     json_t *provenance = pl_call_provenance(call);
-    pl_status status = prepare_capture(o, plan, &target, error);
+    pl_status status = open_trajectory(o->trajectory, &frames, &error);
+    kept found = {.frames = frames.file};
     if (status == PL_OK) {
-        status = open_trajectory(o->trajectory, &frames, error);
-    }
-    if (status == PL_OK) {
-        kept found = {.frames = frames.file};
         const pl_execution_def execution = {.plan = plan,
                                             .jobs = 1,
                                             .limits = o->request.limits,
@@ -227,25 +211,13 @@ static pl_status execute(const pl_call *call, const options *o, pl_plan *plan, j
                                             .user = &found,
                                             .frames = give_file,
                                             .take = keep};
-        status = pl_execute(&execution, signal_number, error);
-        *result = found.result;
+        status = pl_execute(&execution, &signal_number, &error);
     }
-    status = close_trajectory(&frames, status, *signal_number == 0, error);
+    status = close_trajectory(&frames, status, signal_number == 0, &error);
     json_decref(target.source);
     json_decref(provenance);
-    return status;
-}
-
-/* Of files that are numbered, the first stands for all. */
-static pl_status check_outputs(const options *o, pl_error *error)
-{
-    char *capture = o->capture == NULL ? NULL : pl_capture_path(o->capture, 1);
-    pl_status status = pl_request_outputs(&o->request, o->trajectory, error);
-    if (status == PL_OK) {
-        status = pl_output_check(capture, o->request.force, error);
-    }
-    free(capture);
-    return status;
+    pl_call_check_end(call, status, &error, signal_number);
+    return found.result;
 }
 
 static int run(const pl_call *call)
@@ -254,28 +226,25 @@ static int run(const pl_call *call)
     pl_call_parse(call, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
-    json_t *result = NULL;
-    int code = PL_EXIT_OK, signal_number = 0;
-    pl_status status = check_outputs(&o, &error);
-    if (status == PL_OK) {
-        status = pl_request_add_cases(&o.request, &plan, &error);
-    }
+    /* Of files that are numbered, the first stands for all. */
+    char *capture = o.capture == NULL ? NULL : pl_capture_path(o.capture, 1);
+    pl_call_check(call, pl_request_outputs(&o.request, o.trajectory, &error), &error);
+    pl_call_check(call, pl_output_check(capture, o.request.force, &error), &error);
+    pl_call_check(call, pl_request_add_cases(&o.request, &plan, &error), &error);
     pl_engine_describe_within(&o.request.limits);
-    if (status == PL_OK) {
-        status = pl_plan_add_engine(&plan, o.request.engines.items[0], &error);
+    pl_call_check(call, pl_plan_add_engine(&plan, o.request.engines.items[0], &error), &error);
+    pl_request_note_threads(call, &plan);
+    json_t *result = execute(call, &o, &plan);
+    if (!pl_is_stdout(o.request.json) && !pl_is_stdout(o.trajectory)) {
+        print_result(result);
     }
-    if (status == PL_OK) {
-        pl_request_note_threads(call, &plan);
-        status = execute(call, &o, &plan, &result, &signal_number, &error);
-    }
-    if (status == PL_OK && signal_number == 0) {
-        status = deliver(&o, result, &error);
-        code = strcmp(pl_json_get_text(result, "outcome"), "ok") == 0 ? PL_EXIT_OK : PL_EXIT_FAILED;
-    }
+    pl_call_check(call, pl_results_write_json(o.request.json, result, &error), &error);
+    const bool is_ok = strcmp(pl_json_get_text(result, "outcome"), "ok") == 0;
     json_decref(result);
     pl_plan_free(&plan);
     pl_request_free(&o.request);
-    return pl_call_end(call, status, &error, signal_number, code);
+    free(capture);
+    return is_ok ? PL_EXIT_OK : PL_EXIT_FAILED;
 }
 
 static const pl_option OPTIONS[] = {

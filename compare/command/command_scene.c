@@ -8,23 +8,13 @@
 
 /* The options of the command. */
 typedef struct scene_request {
-    pl_request request; /* must be first */
-    bool mjcf;
+    pl_request request;
+    int is_mjcf;
 } scene_request;
 
-static pl_status parse_format(void *options, const char *text, pl_error *error)
-{
-    scene_request *scene = options;
-    if (strcmp(text, "json") != 0 && strcmp(text, "mjcf") != 0) {
-        return pl_fail(error, PL_BAD_INPUT, "--format takes json or mjcf; found \"%s\"", text);
-    }
-    scene->mjcf = strcmp(text, "mjcf") == 0;
-    return PL_OK;
-}
-
 static const pl_option format_options[] = {
-    {"format", "FORMAT", "json (the default), or mjcf: a model for MuJoCo", PL_OPTION_PARSED,
-     .parse = parse_format, .values = "json|mjcf"},
+    {"format", "FORMAT", "json (the default), or mjcf: a model for MuJoCo", PL_OPTION_CHOICE,
+     .field = offsetof(scene_request, is_mjcf), .values = "json|mjcf"},
     {0}};
 
 static pl_status check(void *options, pl_error *error)
@@ -36,30 +26,14 @@ static pl_status check(void *options, pl_error *error)
                : pl_request_check(request, "which scenario? See plumb list scenarios", NULL, error);
 }
 
-static void print_json(const pl_scene *scene)
-{
-    char *text = pl_scene_to_text(scene);
-    if (text == NULL) {
-        pl_out_of_memory();
-    }
-    puts(text);
-    free(text);
-}
-
 /* A scene that MJCF cannot express is bad input here: no engine was asked to run. */
-static pl_status print_mjcf(const pl_scene *scene, pl_error *error)
+static pl_status write_mjcf(const pl_scene *scene, pl_text_buffer *text, pl_error *error)
 {
-    pl_text_buffer text = {0};
     pl_error why = {.message = ""};
-    pl_status status = pl_mjcf_write(scene, &text, &why);
-    if (status == PL_OK) {
-        fputs(text.data, stdout);
-    } else {
-        status = status == PL_UNSUPPORTED ? PL_BAD_INPUT : status;
-        status = pl_fail(error, status, "--format mjcf: %s", why.message);
-    }
-    pl_text_free(&text);
-    return status;
+    const pl_status status = pl_mjcf_write(scene, text, &why);
+    return status == PL_OK ? PL_OK
+                           : pl_fail(error, status == PL_UNSUPPORTED ? PL_BAD_INPUT : status,
+                                     "--format mjcf: %s", why.message);
 }
 
 static int run(const pl_call *call)
@@ -68,15 +42,21 @@ static int run(const pl_call *call)
     pl_call_parse(call, &own);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
-    pl_status status = pl_request_add_cases(&own.request, &plan, &error);
-    if (status == PL_OK && own.mjcf) {
-        status = print_mjcf(&plan.cases[0].scene, &error);
-    } else if (status == PL_OK) {
-        print_json(&plan.cases[0].scene);
+    pl_text_buffer mjcf = {0};
+    pl_call_check(call, pl_request_add_cases(&own.request, &plan, &error), &error);
+    const pl_scene *scene = &plan.cases[0].scene;
+    if (own.is_mjcf) {
+        pl_call_check(call, write_mjcf(scene, &mjcf, &error), &error);
     }
+    char *text = own.is_mjcf ? pl_text_take(&mjcf) : pl_scene_to_text(scene);
+    if (text == NULL) {
+        pl_out_of_memory();
+    }
+    printf("%s%s", text, own.is_mjcf ? "" : "\n");
+    free(text);
     pl_plan_free(&plan);
     pl_request_free(&own.request);
-    return pl_call_end(call, status, &error, 0, PL_EXIT_OK);
+    return PL_EXIT_OK;
 }
 
 const pl_command pl_command_scene = {.name = "scene",

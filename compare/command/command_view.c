@@ -1,6 +1,5 @@
 /* plumb view: opens the page of a report or of a study. */
 #include "base/heap.h"
-#include "open_page.h"
 #include "request.h"
 
 #include <stdlib.h>

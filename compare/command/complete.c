@@ -1,6 +1,8 @@
-#include "complete.h"
+/* plumb __complete WORD...: what a shell may put in the place of the last word. */
+#include "command.h"
 
 #include "adapters/built_in.h"
+#include "base/heap.h"
 #include "conformance/conformance.h"
 #include "engines/registry.h"
 #include "plumb/scenario.h"
@@ -12,8 +14,6 @@
 
 /* A command line at whose last word the cursor is. */
 typedef struct completion {
-    const pl_command *const *commands; /* (command_count) */
-    int command_count;
     const char *word;          /* at the cursor */
     size_t lead;               /* bytes of the word before what is completed: "--engine=" */
     const pl_command *command; /* NULL: the word is the command */
@@ -69,8 +69,10 @@ static void pass_commas(completion *c)
 
 static void offer_commands(completion *c)
 {
-    for (int i = 0; i < c->command_count; ++i) {
-        offer(c, c->commands[i]->name, "", c->commands[i]->summary);
+    int count;
+    const pl_command *const *commands = pl_commands(&count);
+    for (int i = 0; i < count; ++i) {
+        offer(c, commands[i]->name, "", commands[i]->summary);
     }
 }
 
@@ -92,23 +94,10 @@ static void offer_suites(completion *c)
     }
 }
 
-/* Whether one of the first `count` offered parameters has that name. */
-static bool is_offered(char (*names)[PL_NAME_SIZE], int count, const char *name)
-{
-    for (int i = 0; i < count; ++i) {
-        if (strcmp(names[i], name) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* The parameters of the scenarios and scene files that are named before, each once. */
 static void offer_parameters(completion *c)
 {
-    enum { MOST = 256 };
-    char names[MOST][PL_NAME_SIZE];
-    int count = 0;
+    json_t *offered = json_object();
     pass_commas(c);
     for (int i = 0; i < c->arguments.count; ++i) {
         const char *argument = c->arguments.items[i];
@@ -118,15 +107,16 @@ static void offer_parameters(completion *c)
             pl_scenario_open_file(argument, &file, NULL) == PL_OK) {
             scenario = file;
         }
-        for (int k = 0; scenario != NULL && k < scenario->param_count && count < MOST; ++k) {
+        for (int k = 0; scenario != NULL && k < scenario->param_count; ++k) {
             const pl_param *param = &scenario->params[k];
-            if (!is_offered(names, count, param->name)) {
-                snprintf(names[count++], PL_NAME_SIZE, "%s", param->name);
+            if (json_object_get(offered, param->name) == NULL) {
+                json_object_set_new(offered, param->name, json_true());
                 offer(c, param->name, "=", param->help);
             }
         }
         pl_scenario_close_file(file);
     }
+    json_decref(offered);
 }
 
 static void offer_metrics(completion *c)
@@ -201,56 +191,59 @@ static void offer_specs(completion *c)
 
 /* ---- Values of options, and arguments ---- */
 
-static void offer_all_files(completion *c)
-{
-    offer_files(c, "");
-}
-
-static void offer_folders(completion *c)
-{
-    offer_files(c, "/");
-}
-
 /* What a word in capitals of a usage line stands for. A word that begins so has the same meaning. */
 static const struct {
     const char *word;
-    void (*offer)(completion *c);
-} MEANINGS[] = {
-    {"CHECK", offer_checks},      {"COMMAND", offer_commands},      {"DIR", offer_folders},
-    {"ENGINE", offer_specs},      {"EXPR", offer_metrics},          {"FILE", offer_all_files},
-    {"METRIC", offer_metrics},    {"NAME=VALUE", offer_parameters}, {"NAMES", offer_engine_names},
-    {"RESULTS", offer_all_files}, {"SCENARIO", offer_scenarios},    {"SETTINGS", offer_parameters},
-    {"SPEC", offer_specs},        {"SUITE", offer_suites}};
+    void (*offer)(completion *c); /* NULL: files */
+    const char *suffix;           /* of files */
+} MEANINGS[] = {{"CHECK", offer_checks, NULL},
+                {"COMMAND", offer_commands, NULL},
+                {"DIR", NULL, "/"},
+                {"ENGINE", offer_specs, NULL},
+                {"EXPR", offer_metrics, NULL},
+                {"FILE", NULL, ""},
+                {"METRIC", offer_metrics, NULL},
+                {"NAME=VALUE", offer_parameters, NULL},
+                {"NAMES", offer_engine_names, NULL},
+                {"RESULTS", NULL, ""},
+                {"SCENARIO", offer_scenarios, NULL},
+                {"SETTINGS", offer_parameters, NULL},
+                {"SPEC", offer_specs, NULL},
+                {"SUITE", offer_suites, NULL}};
 
-/* Offers what a part of a usage line stands for, such as "SCENARIO|SCENE.json...": a word that begins
- * with a small letter stands for itself. */
+/* Offers what a word of a usage line stands for: one that begins with a small letter stands for itself. */
+static void offer_meaning(completion *c, const char *word)
+{
+    if (islower((unsigned char)word[0])) {
+        offer(c, word, "", "");
+    }
+    for (size_t i = 0; i < sizeof MEANINGS / sizeof MEANINGS[0]; ++i) {
+        if (strncmp(word, MEANINGS[i].word, strlen(MEANINGS[i].word)) != 0) {
+            continue;
+        }
+        if (MEANINGS[i].offer != NULL) {
+            MEANINGS[i].offer(c);
+        } else {
+            offer_files(c, MEANINGS[i].suffix);
+        }
+    }
+    if (strchr(word, '.') != NULL) {
+        offer_files(c, strchr(word, '.'));
+    }
+}
+
+/* Offers what a part of a usage line stands for, such as "SCENARIO|SCENE.json...". */
 static void offer_usage(completion *c, const char *usage, size_t size)
 {
-    static const char between[] = " |[]";
-    const char *end = usage + size;
-    for (const char *at = usage; at < end;) {
-        char word[PL_NAME_SIZE];
-        const size_t length = strcspn(at, between);
-        const size_t most = (size_t)(end - at) < length ? (size_t)(end - at) : length;
-        snprintf(word, sizeof word, "%.*s", (int)most, at);
+    char *words = pl_heap_format("%.*s", (int)size, usage), *rest = words;
+    for (char *word; (word = strsep(&rest, " |[]")) != NULL;) {
         char *dots = strstr(word, "...");
         if (dots != NULL) {
             *dots = '\0';
         }
-        if (islower((unsigned char)word[0])) {
-            offer(c, word, "", "");
-        }
-        for (size_t i = 0; i < sizeof MEANINGS / sizeof MEANINGS[0]; ++i) {
-            if (strncmp(word, MEANINGS[i].word, strlen(MEANINGS[i].word)) == 0) {
-                MEANINGS[i].offer(c);
-            }
-        }
-        const char *suffix = strchr(word, '.');
-        if (suffix != NULL) {
-            offer_files(c, suffix);
-        }
-        at += length + strspn(at + length, between);
+        offer_meaning(c, word);
     }
+    free(words);
 }
 
 static void offer_value(completion *c, const pl_option *option)
@@ -285,39 +278,24 @@ static void offer_argument(completion *c)
 
 /* ---- The command line ---- */
 
-/* The option of the command of that name (length) without "--"; NULL: there is none. */
-static const pl_option *find_option(const completion *c, const char *name, size_t length)
+/* The option of a word, "--NAME" (length) or "-L", that takes an argument; NULL: it is none. */
+static const pl_option *option_of(const completion *c, const char *word, size_t length)
 {
-    for (int i = 0; i < c->option_count; ++i) {
-        const pl_option *option = c->options[i].option;
-        if (strlen(option->name) == length && strncmp(option->name, name, length) == 0) {
-            return option;
-        }
-    }
-    return NULL;
-}
-
-/* The option whose argument is the next word; NULL: the word takes none. */
-static const pl_option *option_before(const completion *c, const char *word)
-{
-    const pl_option *option = NULL;
+    int found = -1;
     if (strncmp(word, "--", 2) == 0) {
-        option = find_option(c, word + 2, strlen(word + 2));
-    } else if (word[0] == '-' && word[1] != '\0' && word[2] == '\0') {
-        for (int i = 0; i < c->option_count; ++i) {
-            option = c->options[i].option->letter == word[1] ? c->options[i].option : option;
-        }
+        found = pl_option_find(c->options, c->option_count, word + 2, length - 2);
     }
-    return option != NULL && option->argument != NULL ? option : NULL;
+    for (int i = 0; i < c->option_count && length == 2; ++i) {
+        found = c->options[i].option->letter == word[1] ? i : found;
+    }
+    return found < 0 || c->options[found].option->argument == NULL ? NULL
+                                                                   : c->options[found].option;
 }
 
 static void offer_options(completion *c)
 {
     for (int i = 0; i < c->option_count; ++i) {
         offer(c, "--", c->options[i].option->name, c->options[i].help);
-    }
-    for (const pl_option *option = pl_common_options; option->name != NULL; ++option) {
-        offer(c, "--", option->name, option->help);
     }
 }
 
@@ -333,7 +311,7 @@ static void complete_word(completion *c, int count, char *const *words)
         } else if (is_option && strcmp(words[i], "--") == 0) {
             may_be_option = false;
         } else if (is_option) {
-            taking = option_before(c, words[i]);
+            taking = option_of(c, words[i], strlen(words[i]));
         } else {
             pl_texts_add(&c->arguments, words[i]);
         }
@@ -342,9 +320,9 @@ static void complete_word(completion *c, int count, char *const *words)
     if (taking != NULL) {
         offer_value(c, taking);
     } else if (may_be_option && strncmp(c->word, "--", 2) == 0 && c->word[name] == '=') {
-        const pl_option *option = find_option(c, c->word + 2, name - 2);
+        const pl_option *option = option_of(c, c->word, name);
         c->lead = name + 1;
-        if (option != NULL && option->argument != NULL) {
+        if (option != NULL) {
             offer_value(c, option);
         }
     } else if (may_be_option && c->word[0] == '-') {
@@ -354,13 +332,12 @@ static void complete_word(completion *c, int count, char *const *words)
     }
 }
 
-int pl_complete(const pl_command *const *commands, int command_count, int word_count,
-                char *const *words)
+int pl_complete(int word_count, char *const *words)
 {
-    completion c = {.commands = commands,
-                    .command_count = command_count,
-                    .word = word_count > 0 ? words[word_count - 1] : ""};
-    for (int i = 0; i < command_count && word_count > 1; ++i) {
+    int count;
+    const pl_command *const *commands = pl_commands(&count);
+    completion c = {.word = word_count > 0 ? words[word_count - 1] : ""};
+    for (int i = 0; i < count && word_count > 1; ++i) {
         c.command = strcmp(commands[i]->name, words[0]) == 0 ? commands[i] : c.command;
     }
     if (word_count <= 1) {

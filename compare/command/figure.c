@@ -3,15 +3,14 @@
 #include "base/file_text.h"
 #include "base/heap.h"
 #include "base/number.h"
+#include "command.h"
 #include "report/summary.h"
 #include "results/store.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 static const char *const endings[] = {"svg", "png", "pdf"};
@@ -57,33 +56,29 @@ static pl_status run_chromium(const drawing *d, const char *option, const char *
     char output[96], size[64];
     snprintf(output, sizeof output, "%s/drawn", d->folder);
     snprintf(size, sizeof size, "--window-size=%s", window);
-    const pid_t child = fork();
-    if (child == 0) {
-        const int out = open(output, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-        const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
-        dup2(null, STDIN_FILENO);
-        dup2(out, STDOUT_FILENO);
-        dup2(null, STDERR_FILENO);
-        execlp(program, program, "--headless=new", "--use-angle=swiftshader",
-               "--enable-unsafe-swiftshader", "--hide-scrollbars", "--no-pdf-header-footer",
-               "--no-first-run", "--virtual-time-budget=30000",
-               geteuid() == 0 ? "--no-sandbox" : "--disable-extensions", size, option, d->url.data,
-               (char *)NULL);
-        _exit(127);
+    const char *const argv[] = {program,
+                                "--headless=new",
+                                "--use-angle=swiftshader",
+                                "--enable-unsafe-swiftshader",
+                                "--hide-scrollbars",
+                                "--no-pdf-header-footer",
+                                "--no-first-run",
+                                "--virtual-time-budget=30000",
+                                geteuid() == 0 ? "--no-sandbox" : "--disable-extensions",
+                                size,
+                                option,
+                                d->url.data,
+                                NULL};
+    const int code = pl_run_program(argv, output);
+    if (code >= 0) {
+        return code == 0 ? PL_OK : pl_fail(error, PL_IO, "%.100s failed to draw the page", program);
     }
-    int ended = 0;
-    if (child < 0 || waitpid(child, &ended, 0) < 0) {
-        return pl_fail(error, PL_IO, "%.100s cannot be started: %s", program, strerror(errno));
-    }
-    if (WIFEXITED(ended) && WEXITSTATUS(ended) == 127) {
-        return pl_fail(error, PL_IO,
-                       "--figure needs Chromium, and there is no program \"%.100s\": install the "
-                       "Debian package chromium, or set CHROMIUM",
-                       program);
-    }
-    return WIFEXITED(ended) && WEXITSTATUS(ended) == 0
-               ? PL_OK
-               : pl_fail(error, PL_IO, "%.100s failed to draw the page", program);
+    return errno == ENOENT
+               ? pl_fail(error, PL_IO,
+                         "--figure needs Chromium, and there is no program \"%.100s\": install the "
+                         "Debian package chromium, or set CHROMIUM",
+                         program)
+               : pl_fail(error, PL_IO, "%.100s cannot be started: %s", program, strerror(errno));
 }
 
 /* Writes the page into a folder of its own, and lets Chromium draw it. */

@@ -11,11 +11,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* An entry of a suite, or a name that was asked for. */
-typedef struct asked {
-    const char *name, *setting; /* of a suite: "NAME=VALUE" or NULL */
-} asked;
-
 pl_request pl_request_default(void)
 {
     return (pl_request){.dt = NAN,
@@ -213,35 +208,30 @@ static bool has_param(const pl_scenario *scenario, const char *setting)
     return pl_scenario_param(scenario, name) >= 0;
 }
 
-/* An error that names the option, the parameter and the nearest one of all `scenarios`. */
-static pl_status unknown_param(const char *option, const char *setting,
-                               const pl_scenario *const *scenarios, int count, pl_error *error)
-{
-    char word[PL_NAME_SIZE];
-    char hint[PL_SUGGESTION_SIZE] = "";
-    snprintf(word, sizeof word, "%.*s", (int)strcspn(setting, "="), setting);
-    for (int i = 0; i < count && hint[0] == '\0'; ++i) {
-        const char *names[PL_MAX_PARAMS];
-        for (int k = 0; k < scenarios[i]->param_count; ++k) {
-            names[k] = scenarios[i]->params[k].name;
-        }
-        pl_did_you_mean(word, names, scenarios[i]->param_count, hint);
-    }
-    return pl_fail(error, PL_BAD_INPUT, "%s %s: no chosen scenario has the parameter %s%s", option,
-                   setting, word, hint);
-}
-
-static pl_status check_settings(const char *option, const pl_texts *settings,
-                                const pl_scenario *const *scenarios, int count, pl_error *error)
+/* Checks that some scenario of the plan has the parameter of each setting. The error names the option, the parameter
+ * and the nearest one. */
+static pl_status check_settings(const char *option, const pl_texts *settings, const pl_plan *plan,
+                                pl_error *error)
 {
     for (int i = 0; i < settings->count; ++i) {
         const char *setting = settings->items[i];
-        bool known = false;
-        for (int k = 0; k < count; ++k) {
-            known = known || has_param(scenarios[k], setting);
+        char word[PL_NAME_SIZE], hint[PL_SUGGESTION_SIZE] = "";
+        bool is_known = false;
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(setting, "="), setting);
+        for (int k = 0; k < plan->case_count && !is_known; ++k) {
+            const pl_scenario *scenario = plan->cases[k].descriptor;
+            const char *names[PL_MAX_PARAMS];
+            for (int p = 0; p < scenario->param_count; ++p) {
+                names[p] = scenario->params[p].name;
+            }
+            is_known = has_param(scenario, setting);
+            if (!is_known && hint[0] == '\0') {
+                pl_did_you_mean(word, names, scenario->param_count, hint);
+            }
         }
-        if (!known) {
-            return unknown_param(option, setting, scenarios, count, error);
+        if (!is_known) {
+            return pl_fail(error, PL_BAD_INPUT, "%s %s: no chosen scenario has the parameter %s%s",
+                           option, setting, word, hint);
         }
     }
     return PL_OK;
@@ -256,12 +246,22 @@ static void add_known(const pl_scenario *scenario, const pl_texts *settings, pl_
     }
 }
 
-static pl_status add_scenario(const pl_request *request, const pl_scenario *scenario,
-                              const char *own_setting, pl_plan *plan, pl_error *error)
+/* Adds a scenario or a scene file, with the setting of a suite (NULL: none) before those of the request. */
+static pl_status add_case(const pl_request *request, const char *name, const char *own_setting,
+                          pl_plan *plan, pl_error *error)
 {
-    char dt[48];
-    char duration[48];
+    char dt[48], duration[48];
     pl_texts chosen = {.count = 0};
+    const pl_scenario *scenario = NULL;
+    pl_status status = PL_OK;
+    if (is_scene_file(name)) {
+        status = pl_plan_open_file(plan, name, &scenario, error);
+    } else {
+        scenario = pl_scenario_find(name, error);
+    }
+    if (scenario == NULL) {
+        return status == PL_OK ? PL_BAD_INPUT : status;
+    }
     if (own_setting != NULL) {
         pl_texts_add(&chosen, own_setting);
     }
@@ -275,72 +275,31 @@ static pl_status add_scenario(const pl_request *request, const pl_scenario *scen
     }
     add_known(scenario, &request->settings, &chosen);
     add_known(scenario, &request->others, &chosen);
-    pl_status status = pl_plan_add_scenario(plan, scenario, chosen.items, chosen.count, error);
+    status = pl_plan_add_scenario(plan, scenario, chosen.items, chosen.count, error);
     free(chosen.items);
-    return status;
-}
-
-/* The entries of all suites asked for, then the names. The caller frees *list. */
-static pl_status list_asked(const pl_request *request, asked **list, int *count, pl_error *error)
-{
-    *list = NULL;
-    *count = 0;
-    for (int i = 0; i < request->suites.count; ++i) {
-        const pl_suite *suite = pl_suite_find(request->suites.items[i], error);
-        if (suite == NULL) {
-            return PL_BAD_INPUT;
-        }
-        for (int k = 0; k < suite->entry_count; ++k) {
-            const pl_suite_entry *entry = &suite->entries[k];
-            const asked item = {.name = entry->scenario, .setting = entry->setting};
-            pl_push(list, count, &item, sizeof item);
-        }
-    }
-    for (int i = 0; i < request->names.count; ++i) {
-        const asked item = {.name = request->names.items[i]};
-        pl_push(list, count, &item, sizeof item);
-    }
-    return PL_OK;
-}
-
-/* The scenario of each item, in their order; scene files are opened. */
-static pl_status find_scenarios(pl_plan *plan, const asked *list, int count,
-                                const pl_scenario **scenarios, pl_error *error)
-{
-    pl_status status = PL_OK;
-    for (int i = 0; i < count && status == PL_OK; ++i) {
-        if (is_scene_file(list[i].name)) {
-            status = pl_plan_open_file(plan, list[i].name, &scenarios[i], error);
-        } else {
-            scenarios[i] = pl_scenario_find(list[i].name, error);
-            status = scenarios[i] == NULL ? PL_BAD_INPUT : PL_OK;
-        }
-    }
     return status;
 }
 
 pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_error *error)
 {
-    asked *list = NULL;
-    int count = 0;
-    pl_status status = list_asked(request, &list, &count, error);
-    const pl_scenario **scenarios = pl_heap_new((size_t)count, sizeof(const pl_scenario *));
-    if (status == PL_OK) {
-        status = find_scenarios(plan, list, count, scenarios, error);
-    }
-    if (status == PL_OK) {
-        status = check_settings("--set", &request->settings, scenarios, count, error);
-    }
-    if (status == PL_OK) {
-        status = check_settings(request->others_option, &request->others, scenarios, count, error);
-    }
+    pl_status status = PL_OK;
     plan->seed = request->seed;
-    for (int i = 0; i < count && status == PL_OK; ++i) {
-        status = add_scenario(request, scenarios[i], list[i].setting, plan, error);
+    for (int i = 0; i < request->suites.count && status == PL_OK; ++i) {
+        const pl_suite *suite = pl_suite_find(request->suites.items[i], error);
+        status = suite == NULL ? PL_BAD_INPUT : PL_OK;
+        for (int k = 0; status == PL_OK && k < suite->entry_count; ++k) {
+            status = add_case(request, suite->entries[k].scenario, suite->entries[k].setting, plan,
+                              error);
+        }
     }
-    free(scenarios);
-    free(list);
-    return status;
+    for (int i = 0; i < request->names.count && status == PL_OK; ++i) {
+        status = add_case(request, request->names.items[i], NULL, plan, error);
+    }
+    if (status == PL_OK) {
+        status = check_settings("--set", &request->settings, plan, error);
+    }
+    return status == PL_OK ? check_settings(request->others_option, &request->others, plan, error)
+                           : status;
 }
 
 /* ---- Engines ---- */
@@ -371,16 +330,6 @@ static pl_status pass_over(const pl_call *call, pl_status status, const pl_error
     return status;
 }
 
-static pl_status add_asked_engines(const pl_call *call, const pl_texts *specs, pl_plan *plan,
-                                   pl_error *error)
-{
-    pl_status status = PL_OK;
-    for (int i = 0; i < specs->count && status == PL_OK; ++i) {
-        status = pass_over(call, pl_plan_add_engine(plan, specs->items[i], error), error);
-    }
-    return status;
-}
-
 /* Adds the profiles that a built-in engine proposes for comparison. */
 static pl_status add_proposed(const pl_built_in *built_in, pl_plan *plan, pl_error *error)
 {
@@ -396,21 +345,7 @@ static pl_status add_proposed(const pl_built_in *built_in, pl_plan *plan, pl_err
     return status;
 }
 
-/* All engines that are linked. */
-static pl_status add_native_engines(const pl_call *call, pl_plan *plan, pl_error *error)
-{
-    int count;
-    const pl_built_in *known = pl_built_in_engines(&count);
-    pl_status status = PL_OK;
-    for (int i = 0; i < count && status == PL_OK; ++i) {
-        if (known[i].script == NULL) {
-            status = pass_over(call, add_proposed(&known[i], plan, error), error);
-        }
-    }
-    return status;
-}
-
-/* Marks in wanted[PL_MOST_BUILT_IN] the engines that --with names, all of them for "all". A usage error
+/* Marks in wanted[PL_MOST_BUILT_IN] also the engines that --with names, all of them for "all". A usage error
  * for a name that is none. */
 static pl_status read_with(const pl_texts *with, bool *wanted, pl_error *error)
 {
@@ -441,31 +376,26 @@ static pl_status read_with(const pl_texts *with, bool *wanted, pl_error *error)
     return PL_OK;
 }
 
-/* Those of --with. Native engines are there already where no --engine is given. */
-static pl_status add_further_engines(const pl_call *call, const pl_request *request, pl_plan *plan,
-                                     pl_error *error)
+pl_status pl_request_add_engines(const pl_call *call, const pl_request *request, pl_plan *plan,
+                                 pl_error *error)
 {
     int count;
     const pl_built_in *known = pl_built_in_engines(&count);
-    bool wanted[PL_MOST_BUILT_IN] = {false};
+    bool wanted[PL_MOST_BUILT_IN];
+    for (int i = 0; i < count; ++i) {
+        wanted[i] = known[i].script == NULL && request->engines.count == 0;
+    }
+    pl_engine_describe_within(&request->limits);
     pl_status status = read_with(&request->with, wanted, error);
+    for (int i = 0; i < request->engines.count && status == PL_OK; ++i) {
+        status = pass_over(call, pl_plan_add_engine(plan, request->engines.items[i], error), error);
+    }
     for (int i = 0; i < count && status == PL_OK; ++i) {
-        const bool is_there = known[i].script == NULL && request->engines.count == 0;
-        if (wanted[i] && !is_there) {
+        if (wanted[i]) {
             status = pass_over(call, add_proposed(&known[i], plan, error), error);
         }
     }
     return status;
-}
-
-pl_status pl_request_add_engines(const pl_call *call, const pl_request *request, pl_plan *plan,
-                                 pl_error *error)
-{
-    pl_engine_describe_within(&request->limits);
-    pl_status status = request->engines.count > 0
-                           ? add_asked_engines(call, &request->engines, plan, error)
-                           : add_native_engines(call, plan, error);
-    return status == PL_OK ? add_further_engines(call, request, plan, error) : status;
 }
 
 pl_status pl_request_plan(const pl_call *call, const pl_request *request, pl_plan *plan,

@@ -60,6 +60,11 @@ pl_status pl_request_check(const pl_request *request, const char *which, const c
  * --resume or --force was given. PL_BAD_INPUT. */
 pl_status pl_request_outputs(const pl_request *request, const char *other, pl_error *error);
 
+/* Opens the results in --out as --resume and --force say; `others` as of pl_store_open. Ends the program where that
+ * fails. pl_call_end_store closes them. */
+pl_store *pl_request_open_store(const pl_call *call, const pl_request *request,
+                                const char *const *others);
+
 /* Adds the cases of all suites, then those of the names. A name with a '/', one that ends in
  * ".json", and "-" are scene files; others are scenarios. Each setting goes to every scenario and
  * scene file that has the parameter, after a suite's own. PL_BAD_INPUT: there is no such suite, scenario or

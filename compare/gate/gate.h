@@ -34,12 +34,6 @@ typedef struct pl_gate_rows {
     const pl_result_table *results; /* whose cells they are; NULL: of a baseline */
 } pl_gate_rows;
 
-/* Adds a row of an object, which it takes, and whose members must be there and of the right types. */
-void pl_gate_rows_add(pl_gate_rows *rows, json_t *json, const pl_result_cell *cell);
-
-/* Sorts by key. */
-void pl_gate_rows_sort(pl_gate_rows *rows);
-
 /* Adds dt and duration to names that several rows share. Both lists are looked at, so that a row has the same name
  * in both. */
 void pl_gate_rows_disambiguate(pl_gate_rows *rows, pl_gate_rows *other);
@@ -145,10 +139,11 @@ typedef enum pl_gate_operator {
 /* A rule, [SCENARIO[/ENGINE]:] METRIC OP VALUE. */
 typedef struct pl_gate_rule {
     const char *text;                /* as given, borrowed */
-    char scenario[256], engine[256]; /* shell patterns; "*": any */
+    char scenario[256], engine[256]; /* shell patterns; "": any */
     char metric[PL_NAME_SIZE];
     pl_gate_operator op;
     bool is_text, is_relative; /* relative: to the baseline */
+    bool is_bound;             /* the operator is neither == nor != */
     double value;              /* +10 %: 0.1 */
     char word[64];             /* of a text */
     int value_column;          /* from 1 */
@@ -180,8 +175,6 @@ pl_status pl_gate_read(const char *path, json_t **results, pl_error *error);
 /* Makes a row of each cell of the table, sorted. The table must outlive *rows, which the caller frees. */
 void pl_gate_gather(const pl_result_table *results, const pl_gate_tolerances *tolerances,
                     pl_gate_rows *rows);
-
-enum { PL_GATE_BASELINE_MOST_BYTES = 64 << 20 };
 
 /* Reads the rows of a baseline, sorted. PL_BAD_INPUT: FILE:LINE:COLUMN: field: what was expected, what was found;
  * also where there is no such file. The caller frees *rows, also on failure. */

@@ -297,166 +297,144 @@ static void judge_cost(const pl_gate_inputs *in, const pl_gate_row *before, cons
 
 /* ---- Rules ---- */
 
-/* A rule that judges nothing fails: otherwise a misspelt name, or a run that is missing, would let
- * everything pass. */
+/* What a rule says of a row. */
+typedef enum judgement {
+    SKIPPED, /* it has no value that the rule is about */
+    PASSES,
+    FAILS,
+    KNOWN /* judge_cost judged it */
+} judgement;
 
-/* Adds the failure of a rule, and why; `reason` "": because the rule says so. */
-static pl_gate_entry *add_rule_failure(const pl_gate_rule *rule, const pl_gate_row *row,
-                                       const char *reason, pl_gate_verdict *verdict)
-{
-    pl_gate_entry *entry =
-        add(verdict, true, row, rule->metric, reason[0] == '\0' ? "the rule fails it" : reason);
-    snprintf(entry->allowed, sizeof entry->allowed, "not %.120s", rule->text);
-    return entry;
-}
+/* Each of these functions fills the texts of the entry that a failure gets. */
 
 /* `reason`: why the text is what it is, or "". */
-static void judge_text(const pl_gate_rule *rule, const pl_gate_row *row, const char *found,
-                       const char *reason, pl_gate_verdict *verdict)
+static judgement judge_text(const pl_gate_rule *rule, const char *found, const char *reason,
+                            pl_gate_entry *entry)
 {
-    ++verdict->comparisons;
-    if ((strcmp(found, rule->word) == 0) == (rule->op == PL_GATE_EQUAL)) {
-        pl_gate_entry *entry = add_rule_failure(rule, row, reason, verdict);
-        snprintf(entry->after, sizeof entry->after, "%.90s", found);
-    }
+    snprintf(entry->after, sizeof entry->after, "%.90s", found);
+    snprintf(entry->what, sizeof entry->what, "%.250s", reason);
+    return (strcmp(found, rule->word) == 0) == (rule->op == PL_GATE_EQUAL) ? FAILS : PASSES;
 }
 
-/* Judges a row without a value. A run that is not ok may lack the value that the rule is about, and
- * fails. Returns false where the metric does not apply. */
-static bool judge_no_value(const pl_gate_rule *rule, const pl_gate_row *row,
-                           const pl_metric_summary *found, pl_gate_verdict *verdict)
+/* A run that is not ok may lack the value that the rule is about, and fails. */
+static judgement judge_no_value(const pl_gate_row *row, const pl_metric_summary *found,
+                                pl_gate_entry *entry)
 {
     const bool is_ok = pl_gate_row_is_ok(row);
-    if (found->state == PL_METRIC_ABSENT && is_ok) {
-        return false;
-    }
-    char what[256];
     const char *reason = found->reason == NULL ? "" : found->reason;
-    snprintf(what, sizeof what, "%.120s%s%.120s", is_ok ? reason : row->outcome,
+    snprintf(entry->what, sizeof entry->what, "%.120s%s%.120s", is_ok ? reason : row->outcome,
              row->reason[0] == '\0' ? "" : ": ", row->reason);
-    pl_gate_entry *entry = add_rule_failure(rule, row, what, verdict);
     snprintf(entry->after, sizeof entry->after, "no value");
-    ++verdict->comparisons;
-    return true;
+    return found->state == PL_METRIC_ABSENT && is_ok ? SKIPPED : FAILS;
 }
 
 /* The rule fails the row where it holds of any repeat. */
-static void judge_absolute(const pl_gate_rule *rule, const pl_gate_row *row,
-                           const pl_metric_summary *found, pl_gate_verdict *verdict)
+static judgement judge_absolute(const pl_gate_rule *rule, const pl_metric_summary *found,
+                                pl_gate_entry *entry)
 {
     const double numbers[] = {found->value, found->min, found->max};
     const int count = is_spread(found) ? 3 : 1;
-    int i = 0;
-    while (i < count && !pl_gate_rule_holds(rule, numbers[i])) {
-        ++i;
+    for (int i = 0; i < count; ++i) {
+        if (pl_gate_rule_holds(rule, numbers[i])) {
+            write_numbers(entry, numbers[i], numbers[i], unit_of(rule->metric));
+            entry->before[0] = '\0';
+            return FAILS;
+        }
     }
-    ++verdict->comparisons;
-    if (i < count) {
-        pl_gate_entry *entry = add_rule_failure(rule, row, "", verdict);
-        write_numbers(entry, numbers[i], numbers[i], unit_of(rule->metric));
-        entry->before[0] = '\0';
-    }
+    return PASSES;
 }
 
-/* Returns false where the baseline has no number to compare with. */
-static bool judge_relative(const pl_gate_inputs *in, const pl_gate_rule *rule,
-                           const pl_gate_row *row, double now, pl_gate_verdict *verdict)
+static judgement judge_relative(const pl_gate_inputs *in, const pl_gate_rule *rule,
+                                const pl_gate_row *row, double now, pl_gate_entry *entry)
 {
     const pl_gate_row *before = in->before == NULL ? NULL : pl_gate_rows_find(in->before, row->key);
     const json_t *kept = before == NULL ? NULL : json_object_get(before->metrics, rule->metric);
     if (!json_is_number(kept)) {
-        return false;
+        return SKIPPED;
     }
-    int id = pl_metric_by_name(rule->metric);
-    double least = id < 0 ? 0 : in->tolerances->of[id].absolute;
-    ++verdict->comparisons;
-    if (pl_gate_rule_holds_relative(rule, json_number_value(kept), now, least)) {
-        write_numbers(add_rule_failure(rule, row, "", verdict), json_number_value(kept), now,
-                      unit_of(rule->metric));
-    }
-    return true;
+    const int id = pl_metric_by_name(rule->metric);
+    const double least = id < 0 ? 0 : in->tolerances->of[id].absolute;
+    write_numbers(entry, json_number_value(kept), now, unit_of(rule->metric));
+    return pl_gate_rule_holds_relative(rule, json_number_value(kept), now, least) ? FAILS : PASSES;
 }
 
-static bool judge_value(const pl_gate_inputs *in, const pl_gate_rule *rule, const pl_gate_row *row,
-                        pl_gate_verdict *verdict)
-{
-    const pl_metric_summary found = pl_gate_cell_metric(row->cell, rule->metric);
-    if (found.state != PL_METRIC_VALUE) {
-        return judge_no_value(rule, row, &found, verdict);
-    }
-    if (rule->is_relative) {
-        return judge_relative(in, rule, row, found.value, verdict);
-    }
-    judge_absolute(rule, row, &found, verdict);
-    return true;
-}
-
-/* Judges a ratio by an absolute rule. False: there is none. */
-static bool judge_ratio(const pl_gate_inputs *in, const pl_gate_rule *rule, const pl_gate_row *row,
-                        pl_gate_verdict *verdict)
+/* Judges a ratio by an absolute rule. */
+static judgement judge_ratio(const pl_gate_inputs *in, const pl_gate_rule *rule,
+                             const pl_gate_row *row, pl_gate_entry *entry)
 {
     const pl_result_cell *reference = pl_gate_reference_of(in->now, row, in->reference);
     const pl_gate_ratio ratio = pl_gate_ratio_measure(
         row->cell, reference, pl_metric_table[pl_gate_cost_of(rule->metric)].name);
-    verdict->comparisons += ratio.repeats > 0;
-    if (ratio.repeats > 0 && pl_gate_rule_holds(rule, ratio.value)) {
-        pl_gate_entry *entry = add_rule_failure(rule, row, "", verdict);
-        snprintf(entry->after, sizeof entry->after, "%.4g times %.60s's", ratio.value,
-                 pl_gate_label_of(in->now, reference));
+    if (ratio.repeats == 0) {
+        return SKIPPED;
     }
-    return ratio.repeats > 0;
+    snprintf(entry->after, sizeof entry->after, "%.4g times %.60s's", ratio.value,
+             pl_gate_label_of(in->now, reference));
+    return pl_gate_rule_holds(rule, ratio.value) ? FAILS : PASSES;
 }
 
-/* Returns whether the rule judged the row. */
-static bool judge_by_rule(const pl_gate_inputs *in, const pl_gate_rule *rule,
-                          const pl_gate_row *row, pl_gate_verdict *verdict)
+static judgement judge_by_rule(const pl_gate_inputs *in, const pl_gate_rule *rule,
+                               const pl_gate_row *row, pl_gate_entry *entry)
 {
     const int cost = pl_gate_cost_of(rule->metric);
     if (pl_gate_rule_is_cost(rule)) {
-        /* judge_cost judged it; this only finds out whether the baseline had a ratio. */
         const pl_gate_row *before =
             in->before == NULL ? NULL : pl_gate_rows_find(in->before, row->key);
-        return before != NULL && json_object_get(before->json, pl_metric_table[cost].ratio) != NULL;
+        const char *ratio = pl_metric_table[cost].ratio;
+        return before != NULL && json_object_get(before->json, ratio) != NULL ? KNOWN : SKIPPED;
     }
     if (cost >= 0 && strcmp(rule->metric, pl_metric_table[cost].ratio) == 0) {
-        return judge_ratio(in, rule, row, verdict);
-    }
-    if (!rule->is_text) {
-        return judge_value(in, rule, row, verdict);
+        return judge_ratio(in, rule, row, entry);
     }
     if (strcmp(rule->metric, "outcome") == 0) {
-        judge_text(rule, row, row->outcome, row->reason, verdict);
-        return true;
+        return judge_text(rule, row->outcome, row->reason, entry);
     }
     if (strcmp(rule->metric, "verdict") == 0) {
-        judge_text(rule, row, pl_verdict_name(row->verdict), row->verdict_reason, verdict);
-        return true;
+        return judge_text(rule, pl_verdict_name(row->verdict), row->verdict_reason, entry);
     }
     const pl_metric_summary found = pl_gate_cell_metric(row->cell, rule->metric);
-    if (found.state == PL_METRIC_TEXT) {
-        judge_text(rule, row, found.text, row->reason, verdict);
+    if (rule->is_text) {
+        return found.state == PL_METRIC_TEXT ? judge_text(rule, found.text, row->reason, entry)
+                                             : SKIPPED;
     }
-    return found.state == PL_METRIC_TEXT;
+    return found.state != PL_METRIC_VALUE ? judge_no_value(row, &found, entry)
+           : rule->is_relative            ? judge_relative(in, rule, row, found.value, entry)
+                                          : judge_absolute(rule, &found, entry);
 }
 
-static void judge_rules(const pl_gate_inputs *in, pl_gate_verdict *verdict)
+static void add_rule_failure(const pl_gate_rule *rule, const pl_gate_entry *made,
+                             pl_gate_verdict *verdict)
 {
-    for (int i = 0; i < in->rule_count; ++i) {
-        const pl_gate_rule *rule = &in->rules[i];
-        int selected = 0, judged = 0;
-        for (int k = 0; k < in->now->count; ++k) {
-            if (pl_gate_rule_selects(rule, &in->now->items[k])) {
-                ++selected;
-                judged += judge_by_rule(in, rule, &in->now->items[k], verdict);
+    pl_gate_entry *entry = add(verdict, true, made->row, rule->metric,
+                               made->what[0] == '\0' ? "the rule fails it" : made->what);
+    describe(entry, made->before, made->after, "");
+    snprintf(entry->allowed, sizeof entry->allowed, "not %.120s", rule->text);
+}
+
+/* A rule that judges nothing fails: otherwise a misspelt name, or a run that is missing, would let
+ * everything pass. */
+static void judge_rule(const pl_gate_inputs *in, const pl_gate_rule *rule, pl_gate_verdict *verdict)
+{
+    int selected = 0, judged = 0;
+    for (int k = 0; k < in->now->count; ++k) {
+        const pl_gate_row *row = &in->now->items[k];
+        if (pl_gate_rule_selects(rule, row)) {
+            pl_gate_entry entry = {.row = row};
+            const judgement found = judge_by_rule(in, rule, row, &entry);
+            ++selected;
+            judged += found != SKIPPED;
+            verdict->comparisons += found == PASSES || found == FAILS;
+            if (found == FAILS) {
+                add_rule_failure(rule, &entry, verdict);
             }
         }
-        if (judged == 0) {
-            add_rule_failure(rule, NULL,
-                             selected == 0
-                                 ? "the rule judges nothing: no row is of that scenario and engine"
-                                 : "the rule judges nothing: no row that it is of has the value",
-                             verdict);
-        }
+    }
+    if (judged == 0) {
+        pl_gate_entry entry = {.row = NULL};
+        snprintf(entry.what, sizeof entry.what, "the rule judges nothing: %s",
+                 selected == 0 ? "no row is of that scenario and engine"
+                               : "no row that it is of has the value");
+        add_rule_failure(rule, &entry, verdict);
     }
 }
 
@@ -548,6 +526,8 @@ void pl_gate_judge(const pl_gate_inputs *in, pl_gate_verdict *verdict)
     if (in->before != NULL) {
         judge_baseline(in, verdict);
     }
-    judge_rules(in, verdict);
+    for (int i = 0; i < in->rule_count; ++i) {
+        judge_rule(in, &in->rules[i], verdict);
+    }
     sort_entries(verdict);
 }

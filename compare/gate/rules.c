@@ -5,8 +5,11 @@
  * engine or of the referee over some thousands of steps. The time to rest is known to one step. */
 #include "gate.h"
 
+#include "base/heap.h"
+
 #include <fnmatch.h>
 #include <math.h>
+#include <regex.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -51,28 +54,34 @@ static pl_status fail(const char *text, const char *what, pl_error *error)
     return pl_fail(error, PL_BAD_INPUT, "--tolerance \"%.80s\": %s", text, what);
 }
 
-/* Reads `length` bytes of "RELATIVE,ABSOLUTE" as a number that is not negative. */
-static bool read_bound(const char *text, size_t length, double *value)
+/* Reads a number that is not negative. */
+static bool read_bound(const char *text, double *value)
 {
-    char number[64];
-    if (length >= sizeof number) {
-        return false;
-    }
-    memcpy(number, text, length);
-    number[length] = '\0';
-    return pl_parse_number(number, value) && *value >= 0;
+    return pl_parse_number(text, value) && *value >= 0;
+}
+
+/* Reads "RELATIVE[,ABSOLUTE]" or "off", whose commas become zeros. */
+static bool read_bounds(char *text, pl_gate_tolerance *tolerance)
+{
+    tolerance->given = true;
+    tolerance->off = strcmp(text, "off") == 0;
+    char *absolute = text;
+    const char *relative = strsep(&absolute, ",");
+    return tolerance->off || (read_bound(relative, &tolerance->relative) &&
+                              (absolute == NULL || read_bound(absolute, &tolerance->absolute)));
 }
 
 pl_status pl_gate_tolerances_parse(const char *text, pl_gate_tolerances *tolerances,
                                    pl_error *error)
 {
-    char name[PL_NAME_SIZE], hint[PL_SUGGESTION_SIZE];
-    size_t length = strcspn(text, "=");
+    char name[PL_NAME_SIZE], value[128], hint[PL_SUGGESTION_SIZE];
+    const size_t length = strcspn(text, "=");
     if (text[length] != '=' || length == 0 || length >= sizeof name) {
         return fail(text, "expected METRIC=RELATIVE[,ABSOLUTE] or METRIC=off", error);
     }
     snprintf(name, sizeof name, "%.*s", (int)length, text);
-    int metric = pl_metric_by_name(name);
+    snprintf(value, sizeof value, "%s", text + length + 1);
+    const int metric = pl_metric_by_name(name);
     if (pl_gate_cost_of(name) >= 0 || strcmp(name, "outcome") == 0 ||
         strcmp(name, "verdict") == 0) {
         return fail(text,
@@ -85,14 +94,7 @@ pl_status pl_gate_tolerances_parse(const char *text, pl_gate_tolerances *toleran
         return pl_fail(error, PL_BAD_INPUT, "--tolerance: there is no metric %s%s", name, hint);
     }
     pl_gate_tolerance tolerance = tolerances->of[metric];
-    tolerance.given = true;
-    const char *value = text + length + 1;
-    tolerance.off = strcmp(value, "off") == 0;
-    size_t relative = strcspn(value, ",");
-    if (!tolerance.off &&
-        (!read_bound(value, relative, &tolerance.relative) ||
-         (value[relative] == ',' &&
-          !read_bound(value + relative + 1, strlen(value + relative + 1), &tolerance.absolute)))) {
+    if (!read_bounds(value, &tolerance)) {
         return fail(text, "expected numbers that are not negative, RELATIVE[,ABSOLUTE], or off",
                     error);
     }
@@ -116,177 +118,162 @@ static const struct {
     pl_gate_operator op;
 } operators[] = {{">=", PL_GATE_AT_LEAST}, {"<=", PL_GATE_AT_MOST}, {"==", PL_GATE_EQUAL},
                  {"!=", PL_GATE_OTHER},    {">", PL_GATE_ABOVE},    {"<", PL_GATE_BELOW}};
-enum { OPERATOR_COUNT = sizeof operators / sizeof operators[0] };
+/* The parts of a rule: it has an engine, or none. */
+static const char GRAMMAR[] =
+    "^((.*/)?(.*):)?([ \t]*)([a-z0-9_]*)([ \t]*)(>=|<=|==|!=|>|<)?([ \t]*)(.*)$";
+enum {
+    FIRST_PATTERN = 2,
+    LAST_PATTERN = 3,
+    METRIC = 5,
+    BLANKS = 6,
+    OPERATOR = 7,
+    VALUE = 9,
+    PARTS
+};
 
-static const char name_letters[] = "abcdefghijklmnopqrstuvwxyz0123456789_";
-
-static pl_status fail_at(const char *text, const char *at, const char *expected, pl_error *error)
+static pl_status fail_at(const char *text, regoff_t at, const char *expected, pl_error *error)
 {
-    int length = (int)strcspn(at, " \t");
+    int length = (int)strcspn(text + at, " \t");
     return pl_fail(error, PL_BAD_INPUT,
                    "--fail-if \"%.120s\": column %d: expected %s, found %s%.*s%s", text,
-                   (int)(at - text) + 1, expected, length == 0 ? "nothing" : "\"",
-                   length > 60 ? 60 : length, at, length == 0 ? "" : "\"");
+                   (int)at + 1, expected, length == 0 ? "nothing" : "\"", length > 60 ? 60 : length,
+                   text + at, length == 0 ? "" : "\"");
 }
 
-static const char *skip_blanks(const char *at)
+/* Copies a part of a text without blanks at either end. False: it is too long. */
+static bool copy(const char *text, regmatch_t part, char *to, size_t size)
 {
-    return at + strspn(at, " \t");
+    while (part.rm_so < part.rm_eo && strchr(" \t", text[part.rm_so]) != NULL) {
+        ++part.rm_so;
+    }
+    while (part.rm_eo > part.rm_so && strchr(" \t", text[part.rm_eo - 1]) != NULL) {
+        --part.rm_eo;
+    }
+    const int length = part.rm_so < 0 ? 0 : (int)(part.rm_eo - part.rm_so);
+    return snprintf(to, size, "%.*s", length, text + (length == 0 ? 0 : part.rm_so)) < (int)size;
 }
 
-/* Copies without blanks at either end; an empty pattern becomes "*". False: too long. */
-static bool copy_pattern(const char *from, const char *end, char pattern[256])
+/* Reads "SCENARIO/ENGINE". False: too long. */
+static bool read_patterns(const char *text, const regmatch_t *parts, pl_gate_rule *rule)
 {
-    from = skip_blanks(from);
-    while (end > from && (end[-1] == ' ' || end[-1] == '\t')) {
-        --end;
-    }
-    if (end - from > 255) {
-        return false;
-    }
-    snprintf(pattern, 256, "%.*s", (int)(end - from), from);
-    if (pattern[0] == '\0') {
-        snprintf(pattern, 256, "*");
-    }
-    return true;
+    regmatch_t first = parts[FIRST_PATTERN], last = parts[LAST_PATTERN];
+    const bool has_engine = first.rm_so >= 0;
+    first.rm_eo -= has_engine; /* the slash */
+    return copy(text, has_engine ? first : last, rule->scenario, sizeof rule->scenario) &&
+           (!has_engine || copy(text, last, rule->engine, sizeof rule->engine));
 }
 
-/* Reads "SCENARIO/ENGINE:" and returns the rest of the text; NULL: too long. */
-static const char *read_filter(const char *text, pl_gate_rule *rule)
-{
-    snprintf(rule->scenario, sizeof rule->scenario, "*");
-    snprintf(rule->engine, sizeof rule->engine, "*");
-    const char *colon = strrchr(text, ':');
-    if (colon == NULL) {
-        return text;
-    }
-    const char *slash = colon;
-    while (slash > text && *slash != '/') {
-        --slash;
-    }
-    bool has_engine = *slash == '/';
-    if (!copy_pattern(text, has_engine ? slash : colon, rule->scenario) ||
-        (has_engine && !copy_pattern(slash + 1, colon, rule->engine))) {
-        return NULL;
-    }
-    return colon + 1;
-}
-
-static pl_status read_metric(const char *text, const char *at, pl_gate_rule *rule, pl_error *error)
+static pl_status read_metric(const char *text, regmatch_t part, pl_gate_rule *rule, pl_error *error)
 {
     char hint[PL_SUGGESTION_SIZE];
-    size_t length = strspn(at, name_letters);
-    if (length == 0 || length >= sizeof rule->metric) {
-        return fail_at(text, at, "a metric", error);
+    if (!copy(text, part, rule->metric, sizeof rule->metric) || rule->metric[0] == '\0') {
+        return fail_at(text, part.rm_so, "a metric", error);
     }
-    snprintf(rule->metric, sizeof rule->metric, "%.*s", (int)length, at);
+    rule->is_text = strcmp(rule->metric, "outcome") == 0 || strcmp(rule->metric, "verdict") == 0 ||
+                    pl_metric_is(pl_metric_by_name(rule->metric), PL_TRAIT_TEXT);
     return is_known(rule->metric, hint)
                ? PL_OK
                : pl_fail(error, PL_BAD_INPUT,
                          "--fail-if \"%.120s\": column %d: there is no metric %s%s", text,
-                         (int)(at - text) + 1, rule->metric, hint);
+                         (int)part.rm_so + 1, rule->metric, hint);
 }
 
-/* The length without blanks at the end. */
-static size_t trimmed_length(const char *at)
+static pl_status read_operator(const char *text, const regmatch_t *parts, pl_gate_rule *rule,
+                               pl_error *error)
 {
-    size_t length = strlen(at);
-    while (length > 0 && (at[length - 1] == ' ' || at[length - 1] == '\t')) {
-        --length;
+    char word[8];
+    copy(text, parts[OPERATOR], word, sizeof word);
+    for (size_t i = 0; i < sizeof operators / sizeof operators[0]; ++i) {
+        rule->op = strcmp(word, operators[i].text) == 0 ? operators[i].op : rule->op;
     }
-    return length;
+    rule->is_bound = rule->op != PL_GATE_EQUAL && rule->op != PL_GATE_OTHER;
+    return rule->op == 0 ? fail_at(text, parts[BLANKS].rm_eo, "one of > >= < <= == !=", error)
+           : rule->is_text && rule->is_bound
+               ? fail_at(text, parts[OPERATOR].rm_so, "== or != before a text", error)
+               : PL_OK;
 }
 
-static pl_status read_number(const char *text, const char *at, pl_gate_rule *rule, pl_error *error)
+static pl_status read_number(const char *text, regmatch_t part, pl_gate_rule *rule, pl_error *error)
 {
     char number[64] = "";
-    size_t length = trimmed_length(at);
-    bool plus = at[0] == '+', minus = at[0] == '-';
-    bool percent = length > 0 && at[length - 1] == '%';
-    if (length < sizeof number && length > (size_t)plus + percent) {
-        snprintf(number, sizeof number, "%.*s", (int)(length - plus - percent), at + plus);
-    }
-    if (number[0] == '+' || !pl_parse_number(number, &rule->value)) {
-        return fail_at(text, at, "a number, or one with a sign and %", error);
+    const bool fits = copy(text, part, number, sizeof number);
+    const size_t length = strlen(number);
+    const bool plus = number[0] == '+', minus = number[0] == '-';
+    const bool percent = length > 0 && number[length - 1] == '%';
+    number[length - percent] = '\0';
+    if (!fits || number[plus] == '+' || !pl_parse_number(number + plus, &rule->value)) {
+        return fail_at(text, part.rm_so, "a number, or one with a sign and %", error);
     }
     if ((plus && !percent) || (percent && !plus && !minus)) {
-        return fail_at(text, at, "a sign and % together, as in +10%", error);
+        return fail_at(text, part.rm_so, "a sign and % together, as in +10%", error);
     }
     rule->is_relative = percent;
     rule->value *= percent ? 0.01 : 1;
-    bool is_bound = rule->op != PL_GATE_EQUAL && rule->op != PL_GATE_OTHER;
-    if (percent && !is_bound) {
-        return fail_at(text, at, "a number without % after == and !=", error);
+    if (percent && !rule->is_bound) {
+        return fail_at(text, part.rm_so, "a number without % after == and !=", error);
     }
     bool is_growth = plus && (rule->op == PL_GATE_ABOVE || rule->op == PL_GATE_AT_LEAST);
     if (pl_gate_rule_is_cost(rule) && !is_growth) {
-        return fail_at(text, at, "growth of a time or of instructions, as in >+10%", error);
+        return fail_at(text, part.rm_so, "growth of a time or of instructions, as in >+10%", error);
     }
     return PL_OK;
 }
 
-static pl_status read_word(const char *text, const char *at, pl_gate_rule *rule, pl_error *error)
+static pl_status read_word(const char *text, regmatch_t part, pl_gate_rule *rule, pl_error *error)
 {
-    size_t length = trimmed_length(at);
-    if (length == 0 || length >= sizeof rule->word) {
-        return fail_at(text, at, "a text", error);
+    if (!copy(text, part, rule->word, sizeof rule->word) || rule->word[0] == '\0') {
+        return fail_at(text, part.rm_so, "a text", error);
     }
-    snprintf(rule->word, sizeof rule->word, "%.*s", (int)length, at);
-    const bool is_outcome = strcmp(rule->metric, "outcome") == 0;
-    const bool is_verdict = strcmp(rule->metric, "verdict") == 0;
-    bool known = !is_outcome && !is_verdict;
-    for (int i = 0; i < PL_OUTCOME_COUNT && is_outcome; ++i) {
-        known |= strcmp(pl_outcome_name((pl_outcome)i), rule->word) == 0;
+    bool is_verdict = false;
+    for (int i = 0; i < PL_VERDICT_COUNT; ++i) {
+        is_verdict |= strcmp(pl_verdict_name((pl_verdict)i), rule->word) == 0;
     }
-    for (int i = 0; i < PL_VERDICT_COUNT && is_verdict; ++i) {
-        known |= strcmp(pl_verdict_name((pl_verdict)i), rule->word) == 0;
+    if (strcmp(rule->metric, "outcome") == 0 &&
+        (int)pl_outcome_named(rule->word) == PL_OUTCOME_COUNT) {
+        return fail_at(text, part.rm_so,
+                       "ok, collapsed, diverged, nonfinite, crashed, timeout or unsupported",
+                       error);
     }
-    return known ? PL_OK
-                 : fail_at(text, at,
-                           is_verdict ? "accurate, inaccurate, failed or not judged"
-                                      : "ok, collapsed, diverged, nonfinite, crashed, timeout or "
-                                        "unsupported",
-                           error);
+    return strcmp(rule->metric, "verdict") == 0 && !is_verdict
+               ? fail_at(text, part.rm_so, "accurate, inaccurate, failed or not judged", error)
+               : PL_OK;
 }
 
 pl_status pl_gate_rule_parse(const char *text, pl_gate_rule *rule, pl_error *error)
 {
+    regex_t grammar;
+    regmatch_t parts[PARTS];
     *rule = (pl_gate_rule){.text = text};
-    const char *at = read_filter(text, rule);
-    if (at == NULL) {
-        return fail_at(text, text, "names of at most 255 bytes", error);
+    if (regcomp(&grammar, GRAMMAR, REG_EXTENDED) != 0 ||
+        regexec(&grammar, text, PARTS, parts, 0) != 0) {
+        pl_out_of_memory();
     }
-    at = skip_blanks(at);
-    pl_status status = read_metric(text, at, rule, error);
+    regfree(&grammar);
+    if (!read_patterns(text, parts, rule)) {
+        return fail_at(text, 0, "names of at most 255 bytes", error);
+    }
+    pl_status status = read_metric(text, parts[METRIC], rule, error);
+    if (status == PL_OK) {
+        status = read_operator(text, parts, rule, error);
+    }
     if (status != PL_OK) {
         return status;
     }
-    at = skip_blanks(at + strlen(rule->metric));
-    int i = 0;
-    while (i < OPERATOR_COUNT && strncmp(at, operators[i].text, strlen(operators[i].text)) != 0) {
-        ++i;
-    }
-    if (i == OPERATOR_COUNT) {
-        return fail_at(text, at, "one of > >= < <= == !=", error);
-    }
-    rule->op = operators[i].op;
-    rule->is_text = strcmp(rule->metric, "outcome") == 0 || strcmp(rule->metric, "verdict") == 0 ||
-                    pl_metric_is(pl_metric_by_name(rule->metric), PL_TRAIT_TEXT);
-    if (rule->is_text && rule->op != PL_GATE_EQUAL && rule->op != PL_GATE_OTHER) {
-        return fail_at(text, at, "== or != before a text", error);
-    }
-    at = skip_blanks(at + strlen(operators[i].text));
-    rule->value_column = (int)(at - text) + 1;
-    return rule->is_text ? read_word(text, at, rule, error) : read_number(text, at, rule, error);
+    rule->value_column = (int)parts[VALUE].rm_so + 1;
+    return (rule->is_text ? read_word : read_number)(text, parts[VALUE], rule, error);
+}
+
+static bool matches(const char *pattern, const char *name, const char *other)
+{
+    return pattern[0] == '\0' || fnmatch(pattern, name, 0) == 0 || fnmatch(pattern, other, 0) == 0;
 }
 
 bool pl_gate_rule_selects(const pl_gate_rule *rule, const pl_gate_row *row)
 {
     char engine[256];
     snprintf(engine, sizeof engine, "%.*s", (int)strcspn(row->label, ":"), row->label);
-    return (fnmatch(rule->scenario, row->scenario, 0) == 0 ||
-            fnmatch(rule->scenario, row->name, 0) == 0) &&
-           (fnmatch(rule->engine, row->label, 0) == 0 || fnmatch(rule->engine, engine, 0) == 0);
+    return matches(rule->scenario, row->scenario, row->name) &&
+           matches(rule->engine, row->label, engine);
 }
 
 bool pl_gate_rule_holds(const pl_gate_rule *rule, double value)

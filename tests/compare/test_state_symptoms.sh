@@ -40,7 +40,8 @@ sys.path.insert(0, sys.argv[1])
 sys.argv = ["state.py", "."]
 sys.dont_write_bytecode = True
 import state
-state.write_symptoms(state.State())
+found = state.symptoms(state.State())
+print(found["symptoms"], f"\n\n{found['symptoms_missed']} of {found['symptom_scenes']} scenes are missed")
 END
 
 # row N PATTERN: the Nth row of the table.
