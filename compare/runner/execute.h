@@ -12,7 +12,7 @@
 /* What to execute, and how. */
 typedef struct pl_execution_def {
     const pl_plan *plan;
-    int jobs; /* most runs at a time, >= 1, see schedule.h; times are reliable only with 1 on a quiet machine */
+    int jobs; /* most runs at a time, >= 1; times are reliable only with 1 on a quiet machine */
     pl_limits limits;
     const pl_capture *capture; /* of a plan with one run; NULL: none */
     bool needs_positions;   /* a result of the store counts only with the file of its positions */
