@@ -126,7 +126,7 @@ while IFS=: read -r file pattern; do
 done < <(grep -HoP '^ "headers": "\K[^"]+' compare/adapters/*/engine.json)
 only 'ccd/' compare/referee/geometry/gap_convex.c
 only 'nlopt' compare/studies/tune/tune_search.c
-only 'utf8proc' compare/base/text_width.c
+only 'utf8proc' compare/base/folding.c
 only 'argp' compare/command
 
 # These build files list their sources: a file that none of them names would never be compiled.

@@ -1,5 +1,5 @@
-/* A document as data: headings, sentences, lists, tables and plots. Four writers print it: for a terminal, as
- * Markdown, as JSON for a page, and its tables as CSV.
+/* A document as data: headings, sentences, lists, tables and plots. Three writers print it: for a terminal, as
+ * Markdown, and as JSON for a page.
  *
  *     pl_document document = {.title = "Thresholds"};
  *     pl_document_heading(&document, "%s", scenario);
@@ -89,9 +89,6 @@ char *pl_document_text(const pl_document *document, int width);
 
 /* As GitHub Flavored Markdown. */
 char *pl_document_markdown(const pl_document *document);
-
-/* All tables as CSV, each after its caption on a line, with an empty line between two. */
-char *pl_document_csv(const pl_document *document);
 
 /* {"title", "sections": [{"title", "blocks": [...]}]}: a block is {"text"}, {"item"}, {"caption", "columns", "rows"}
  * or a plot {"kind", "caption", "x", "y", "rule", "rows"}. A new reference. */

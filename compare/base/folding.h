@@ -1,11 +1,23 @@
-/* Text that fits the window of a terminal: long lines are broken at blanks, and nothing is cut off.
- * Widths are those of text_width.h. */
+/* Text that fits the window of a terminal: long lines are broken at blanks, and nothing is cut off. */
 #ifndef PLUMB_FOLDING_H
 #define PLUMB_FOLDING_H
 
 #include "base/text_buffer.h"
 
 #include <stdio.h>
+
+/* ---- The width of UTF-8 text on a terminal, in columns: a Chinese character has two, a combining accent none. Code
+ * points that pl_text_add_plain replaces count as what it shows. ---- */
+
+/* Bytes of the first character of `text` as a reader counts them, a grapheme cluster (Unicode
+ * Standard Annex 29), which no line may break. *columns is its width. `text` is not empty. */
+size_t pl_character_length(const char *text, int *columns);
+
+/* The width of a text. */
+int pl_text_width(const char *text);
+
+/* Bytes of the longest start of `text`, in whole characters, that is at most `width` wide. */
+size_t pl_text_fitting(const char *text, int width);
 
 enum { PL_LEAST_WINDOW = 40, PL_PIPE_WIDTH = 120 };
 

@@ -2,7 +2,6 @@
 
 #include "base/array.h"
 
-#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -60,6 +59,12 @@ char *pl_heap_format(const char *format, ...)
     char *text = pl_heap_format_list(format, arguments);
     va_end(arguments);
     return text;
+}
+
+char *pl_heap_json(const json_t *value, size_t layout)
+{
+    const size_t flags = layout | JSON_SORT_KEYS | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17);
+    return checked(json_dumps(value, flags), 1);
 }
 
 void pl_push(void *items, int *count, const void *item, size_t size)

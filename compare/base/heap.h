@@ -7,6 +7,7 @@
 
 #include "base/text_buffer.h"
 
+#include <jansson.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -31,6 +32,9 @@ __attribute__((format(printf, 1, 2))) char *pl_heap_format(const char *format, .
 /* Text as of vprintf. */
 __attribute__((format(printf, 1, 0))) char *pl_heap_format_list(const char *format,
                                                                 va_list arguments);
+
+/* Any value of JSON as text with sorted keys and 17 significant digits. `layout` is JSON_COMPACT or JSON_INDENT(n). */
+char *pl_heap_json(const json_t *value, size_t layout);
 
 /* pl_array_push where memory does not end. */
 void pl_push(void *items, int *count, const void *item, size_t size);

@@ -2,8 +2,6 @@
 
 #include "folding.h"
 #include "heap.h"
-#include "table_text.h"
-#include "text_width.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -107,6 +105,30 @@ void pl_table_style(pl_table *table, const char *style)
     table->cells[table->cell_count - 1].style = style;
 }
 
+/* ---- Reading ---- */
+
+int pl_table_rows(const pl_table *table)
+{
+    return table->column_count == 0 ? 0 : table->cell_count / table->column_count;
+}
+
+const pl_table_cell *pl_table_cell_at(const pl_table *table, int row, int column)
+{
+    static const pl_table_cell none = {0};
+    return row < 0 ? &none : &table->cells[row * table->column_count + column];
+}
+
+const char *pl_table_text(const pl_table *table, int row, int column)
+{
+    for (int k = 0; k < column && row >= 0; ++k) {
+        if (pl_table_cell_at(table, row, k)->is_span) {
+            return NULL;
+        }
+    }
+    return table->texts.data +
+           (row < 0 ? table->headings[column].text : pl_table_cell_at(table, row, column)->text);
+}
+
 /* ---- Writing ---- */
 
 /* What a call to pl_table_write uses. */
@@ -116,12 +138,6 @@ typedef struct writer {
     pl_text_buffer *out;
     int *width; /* (column_count) in padded Markdown */
 } writer;
-
-static const pl_table_cell *cell_of(const pl_table *table, int row, int column)
-{
-    static const pl_table_cell none = {0};
-    return row < 0 ? &none : &table->cells[row * table->column_count + column];
-}
 
 /* Bars of a padded Markdown table, which are escaped. */
 static int count_bars(const char *text)
@@ -139,7 +155,7 @@ static int column_width(const pl_table *table, int column)
     int widest = 3;
     for (int row = -1; row < pl_table_rows(table); ++row) {
         const char *text = pl_table_text(table, row, column);
-        if (text != NULL && !cell_of(table, row, column)->is_span) {
+        if (text != NULL && !pl_table_cell_at(table, row, column)->is_span) {
             const int width = pl_text_width(text) + count_bars(text);
             widest = width > widest ? width : widest;
         }
@@ -182,7 +198,7 @@ static void write_markdown_row(const writer *w, int row)
         pl_text_add(w->out, "| ");
         if (w->format == PL_TABLE_MARKDOWN_PADDED) {
             add_padded(w->out, text, w->width[k], table->headings[k].align);
-        } else if (cell_of(table, row, k)->is_markup) {
+        } else if (pl_table_cell_at(table, row, k)->is_markup) {
             pl_text_add(w->out, text);
         } else {
             pl_text_add_markdown(w->out, text);

@@ -53,7 +53,7 @@ typedef struct pl_table {
     int first, last;      /* the rows to write, [first, last); last = 0: all. A table with no row to
                            * write is left out, except as CSV */
     int indent;           /* text: spaces before each line */
-    int line_width;       /* text: a wider table is folded to it (table_text.h); 0: no limit */
+    int line_width;       /* text: a wider table is folded to it; 0: no limit */
     int keys;             /* text: the first columns that name a row; 0 counts as 1 */
     bool colour;          /* text: colours by style, by escape sequences */
     const char *line_end; /* CSV: "\r\n" where it is NULL */
@@ -98,6 +98,9 @@ void pl_table_style(pl_table *table, const char *style);
 /* Complete rows. */
 int pl_table_rows(const pl_table *table);
 
+/* A cell; for a heading (row -1) one without a style. */
+const pl_table_cell *pl_table_cell_at(const pl_table *table, int row, int column);
+
 /* The text of a cell, or of a heading (row -1); NULL for a cell that a span covers. Valid until the
  * next change of the table. */
 const char *pl_table_text(const pl_table *table, int row, int column);
@@ -105,6 +108,11 @@ const char *pl_table_text(const pl_table *table, int row, int column);
 /* Appends the table to `out`. Columns of text are as wide as all rows need, so that parts of one
  * table line up. */
 void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffer *out);
+
+/* What pl_table_write does for text (table_text.c), of the rows [first, last). A table that is wider than its
+ * line_width is folded, and nothing is cut off: headings and texts are broken into several lines, and where that is
+ * not enough, the columns are written in groups, one below the other, each after the columns that name a row. */
+void pl_table_write_text(const pl_table *table, int first, int last, pl_text_buffer *out);
 
 /* Writes the table as text that fits the window of a stream. */
 void pl_table_print(pl_table *table, FILE *out);

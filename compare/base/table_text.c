@@ -1,11 +1,9 @@
 /* Each column has a natural width, in which no cell is broken, and a least width, in which no word
  * and no number is broken. Columns that share a line are as wide as their least widths; what is left
  * goes, blank by blank, to the column with the most lines. */
-#include "table_text.h"
-
 #include "folding.h"
 #include "heap.h"
-#include "text_width.h"
+#include "table.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -26,12 +24,6 @@ typedef struct layout {
     const char **rest; /* of each cell of the row, what is not yet written */
 } layout;
 
-static const pl_table_cell *cell_of(const layout *l, int row, int column)
-{
-    static const pl_table_cell none = {0};
-    return row < 0 ? &none : &l->table->cells[row * l->table->column_count + column];
-}
-
 static int larger(int a, int b)
 {
     return a > b ? a : b;
@@ -50,7 +42,7 @@ static void measure(layout *l, int column)
     l->least[column] = pl_longest_word(heading);
     for (int row = 0; row < pl_table_rows(l->table); ++row) {
         const char *text = pl_table_text(l->table, row, column);
-        if (text != NULL && !cell_of(l, row, column)->is_span) {
+        if (text != NULL && !pl_table_cell_at(l->table, row, column)->is_span) {
             const int width = pl_text_width(text);
             const int least =
                 is_number ? width : larger(smaller(width, TEXT_WIDTH), pl_longest_word(text));
@@ -143,7 +135,7 @@ static const char *colour_of(const char *style)
 /* Writes the next line of a cell after `spaces`, in `width`. Returns the spaces that are then due. */
 static int write_part(const layout *l, int row, int column, int width, int spaces)
 {
-    const pl_table_cell *cell = cell_of(l, row, column);
+    const pl_table_cell *cell = pl_table_cell_at(l->table, row, column);
     const bool is_right = l->table->headings[column].align == PL_RIGHT && !cell->is_span;
     const char *rest = l->rest[column], *colour = l->table->colour ? colour_of(cell->style) : "";
     size_t next = 0;
@@ -176,7 +168,8 @@ static bool write_line(const layout *l, int row, int count)
         if (l->rest[k] == NULL) {
             break;
         }
-        const int width = cell_of(l, row, k)->is_span ? larger(1, left) : l->width[k];
+        const int width =
+            pl_table_cell_at(l->table, row, k)->is_span ? larger(1, left) : l->width[k];
         spaces = write_part(l, row, k, width, spaces);
         left -= width + GAP;
         is_left = is_left || l->rest[k][0] != '\0';

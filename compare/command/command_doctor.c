@@ -23,14 +23,15 @@ static void describe_conformance(const pl_engine_info *engine, char *text, size_
 {
     int known = 0, proposed = 0, failed = 0, checks = 0;
     for (int i = 0; i < engine->profile_count; ++i) {
-        const pl_conformance found = pl_conformance_find(engine, engine->profiles[i].name);
         if (!engine->profiles[i].in_default_comparison) {
             continue;
         }
+        json_t *found = pl_conformance_find(engine, engine->profiles[i].name);
         ++proposed;
-        known += found.is_known;
-        failed += found.is_known ? found.failed : 0;
-        checks += found.is_known ? found.checks : 0;
+        known += json_is_object(found);
+        failed += (int)json_integer_value(json_object_get(found, "failed"));
+        checks += (int)json_integer_value(json_object_get(found, "checks"));
+        json_decref(found);
     }
     if (known == 0) {
         snprintf(text, size, "not verified: plumb check-engine %s", engine->name);

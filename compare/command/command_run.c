@@ -5,7 +5,7 @@
 #include "base/table.h"
 #include "capture_file.h"
 #include "request.h"
-#include "results/run_verdict.h"
+#include "results/result.h"
 #include "results/store.h"
 #include "runner/execute.h"
 

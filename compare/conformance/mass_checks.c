@@ -3,7 +3,7 @@
 #include "mismatch.h"
 #include "plumb/vec.h"
 #include "referee/geometry/solid.h"
-#include "runner/parameter_check.h"
+#include "runner/engine_values.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
-/* An engine describes itself in a process of its own: first one line for each stage, so that a
- * fault has a place, and at last the answer to hello of plumb.engine/1, with what the harness finds: its
+/* An engine describes itself in a process of its own: it says in shared memory how far it has come, so that a
+ * fault has a place, and answers with what it answers to hello of plumb.engine/1, with what the harness finds: its
  * binary, the stamp of that, and whether it gives contact problems. */
 #include "engine_info.h"
 
@@ -15,12 +15,16 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
+#include <sys/mman.h>
 
 enum { LEAST_SECONDS = 1, MOST_SECONDS = 30 };
 
 /* The last stage that a process reports before its answer. */
 static const char COMPLETE[] = "after it was unloaded";
+
+/* How far the process of a description has come, in memory that the harness shares with it. */
+enum { PLACE_SIZE = 160 };
+static char *place;
 
 static pl_limits describe_limits = {.timeout = MOST_SECONDS};
 
@@ -32,17 +36,15 @@ void pl_engine_describe_within(const pl_limits *limits)
 
 /* ---- In the process that loads the engine ---- */
 
-/* On a line of its own, whatever the engine wrote before it. */
-static void report_stage(FILE *answer, const char *stage)
+/* `name` ends the text. */
+static void enter(const char *stage, const char *name)
 {
-    fprintf(answer, "\n%s\n", stage);
-    fflush(answer);
+    snprintf(place, PLACE_SIZE, "%s%s", stage, name);
 }
 
 /* The values of each profile, (profile_count x option_count). PL_BAD_INPUT: one is not in the range of its
  * option. */
-static pl_status read_defaults(const pl_engine *engine, double *defaults, FILE *answer,
-                               pl_error *error)
+static pl_status read_defaults(const pl_engine *engine, double *defaults, pl_error *error)
 {
     for (int i = 0; i < engine->profile_count; ++i) {
         double values[PL_ENGINE_MAX_OPTIONS];
@@ -51,10 +53,7 @@ static pl_status read_defaults(const pl_engine *engine, double *defaults, FILE *
         }
         if (engine->profile_defaults != NULL) {
             fenv_t environment;
-            char stage[PL_NAME_SIZE + 64];
-            snprintf(stage, sizeof stage, "while it was asked for the defaults of profile %s",
-                     engine->profiles[i].name);
-            report_stage(answer, stage);
+            enter("while it was asked for the defaults of profile ", engine->profiles[i].name);
             fegetenv(&environment);
             engine->profile_defaults(i, values);
             fesetenv(&environment);
@@ -73,24 +72,23 @@ static pl_status read_defaults(const pl_engine *engine, double *defaults, FILE *
     return PL_OK;
 }
 
-static bool gives_contact_problems(const pl_engine *engine, FILE *answer)
+static bool gives_contact_problems(const pl_engine *engine)
 {
     fenv_t environment;
-    report_stage(answer, "while it was asked for an extension");
+    enter("while it was asked for an extension", "");
     fegetenv(&environment);
     const bool gives = pl_contact_problems_of(engine) != NULL;
     fesetenv(&environment);
     return gives;
 }
 
-static pl_status describe(const pl_engine_info *info, FILE *answer, json_t **description,
-                          pl_error *error)
+static pl_status describe(const pl_engine_info *info, json_t **description, pl_error *error)
 {
     char hash[17];
     char stamp[17] = "";
     pl_loaded_engine loaded;
     const int mapped = pl_mapped_file_count();
-    report_stage(answer, "while it was loaded");
+    enter("while it was loaded", "");
     const char *libraries =
         info->built_in == NULL || info->path != NULL ? NULL : info->built_in->libraries;
     const pl_engine_origin origin = pl_engine_origin_of(info);
@@ -108,14 +106,14 @@ static pl_status describe(const pl_engine_info *info, FILE *answer, json_t **des
     const pl_engine *e = &loaded.table;
     double defaults[PL_ENGINE_MAX_PROFILES * PL_ENGINE_MAX_OPTIONS];
     pl_error cause = {.message = ""};
-    status = read_defaults(e, defaults, answer, &cause);
+    status = read_defaults(e, defaults, &cause);
     if (status == PL_OK) {
         *description = pl_hello_write(e, defaults);
         json_object_update_new(*description, json_pack("{s:b, s:s, s:s}", "gives_contact_problems",
-                                                       (int)gives_contact_problems(e, answer),
-                                                       "binary", hash, "stamp", stamp));
+                                                       (int)gives_contact_problems(e), "binary",
+                                                       hash, "stamp", stamp));
     }
-    report_stage(answer, "while it was unloaded");
+    enter("while it was unloaded", "");
     pl_unload_engine(&loaded);
     return status == PL_OK ? PL_OK : pl_fail(error, status, "%s: %s", info->spec, cause.message);
 }
@@ -125,12 +123,13 @@ static void describe_and_answer(void *user, FILE *answer)
 {
     json_t *description = NULL;
     pl_error error = {.message = ""};
-    pl_status status = describe(user, answer, &description, &error);
+    pl_status status = describe(user, &description, &error);
     if (status != PL_OK) {
         description =
             json_pack("{s:i, s:o}", "status", (int)status, "error", pl_json_text(error.message));
     }
-    report_stage(answer, COMPLETE);
+    enter(COMPLETE, "");
+    fputs("\n", answer); /* whatever the engine wrote before it */
     json_dumpf(description, answer, JSON_COMPACT | JSON_REAL_PRECISION(17));
     json_decref(description);
 }
@@ -203,9 +202,8 @@ static const char *name_of_file(const char *path)
     return name;
 }
 
-/* An engine whose process ended at `place`, the last stage that it reported, or could not go on. */
-static void note_fault(known_info *known, const pl_process *process, const char *place,
-                       const char *reason)
+/* An engine whose process ended early, or could not go on for the reason given. */
+static void note_fault(known_info *known, const pl_process *process, const char *reason)
 {
     static const double no_values[1];
     static const pl_engine_profile only[] = {{.name = "default", .help = ""}};
@@ -238,38 +236,21 @@ static void note_fault(known_info *known, const pl_process *process, const char 
     }
 }
 
-/* Whether a line is one of report_stage, and not something else that the engine wrote there. */
-static bool is_stage(const char *line, size_t length)
+/* The last line of the answer, which is JSON; NULL: the process did not come to its end. */
+static json_t *read_answer(const pl_process *process)
 {
-    return length < 160 && ((length > 6 && memcmp(line, "while ", 6) == 0) ||
-                            (length == strlen(COMPLETE) && memcmp(line, COMPLETE, length) == 0));
-}
-
-/* The last line of the answer, which is JSON, and in `place` the last of the stages before it; NULL: the process
- * did not come to its end. */
-static json_t *read_answer(const pl_process *process, char place[160])
-{
-    const char *at = process->text, *end = at + process->text_length;
-    snprintf(place, 160, "before it was loaded");
-    while (at < end) {
-        const char *newline = memchr(at, '\n', (size_t)(end - at));
-        if (newline == NULL) {
-            return strcmp(place, COMPLETE) != 0
-                       ? NULL
-                       : json_loadb(at, (size_t)(end - at), JSON_REJECT_DUPLICATES, NULL);
-        }
-        if (is_stage(at, (size_t)(newline - at))) {
-            snprintf(place, 160, "%.*s", (int)(newline - at), at);
-        }
-        at = newline + 1;
-    }
-    return NULL;
+    const size_t length = process->text_length;
+    const char *line = length > 0 ? memrchr(process->text, '\n', length) : NULL;
+    const bool is_complete = line != NULL && strcmp(place, COMPLETE) == 0;
+    return is_complete ? json_loadb(line, (size_t)(process->text + length - line),
+                                    JSON_REJECT_DUPLICATES, NULL)
+                       : NULL;
 }
 
 static pl_status ask(known_info *known, pl_error *error)
 {
     pl_process process;
-    char place[160];
+    enter("before it was loaded", "");
     pl_status status =
         pl_process_start(&process, &describe_limits, describe_and_answer, &known->info, error);
     if (status == PL_OK) {
@@ -278,12 +259,13 @@ static pl_status ask(known_info *known, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    json_t *answer = read_answer(&process, place);
+    place[PLACE_SIZE - 1] = '\0';
+    json_t *answer = read_answer(&process);
     const char *refusal = json_string_value(json_object_get(answer, "error"));
     if (refusal != NULL && json_integer_value(json_object_get(answer, "status")) == PL_BAD_INPUT) {
         status = pl_fail(error, PL_BAD_INPUT, "%s", refusal);
     } else if (refusal != NULL || answer == NULL || !read_description(known, answer)) {
-        note_fault(known, &process, place, refusal);
+        note_fault(known, &process, refusal);
     }
     json_decref(answer);
     pl_process_free(&process);
@@ -321,7 +303,9 @@ pl_status pl_engine_describe(const char *path, const char *command, const pl_bui
     found->spec = built_in != NULL ? pl_heap_copy(built_in->name)
                   : path != NULL   ? pl_heap_copy(path)
                                    : pl_heap_format("exec:%s", command);
+    place = pl_shared_new(PLACE_SIZE);
     const pl_status status = ask(known, error);
+    munmap(place, PLACE_SIZE);
     if (status != PL_OK) {
         pl_hello_free(&known->hello);
         free((char *)found->command);

@@ -1,4 +1,4 @@
-#include "float_environment.h"
+#include "load_engine.h"
 
 #ifdef __SSE__
 #include <xmmintrin.h>

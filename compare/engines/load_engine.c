@@ -3,7 +3,6 @@
 #include "adapters/process/adapter_process.h"
 #include "base/hash.h"
 #include "base/sanitizer.h"
-#include "float_environment.h"
 
 #include <dlfcn.h>
 #include <errno.h>

@@ -6,6 +6,8 @@
 #include "plumb/engine_abi.h"
 #include "plumb/scene.h"
 
+#include <fenv.h>
+
 /* Where an engine comes from: one of these is not NULL. */
 typedef struct pl_engine_origin {
     const char *path;      /* of a shared object */
@@ -48,5 +50,30 @@ pl_status pl_binary_stamp(int first, char stamp[17], pl_error *error);
 
 /* Hashes the contents of one file; "" when it cannot be read. */
 void pl_file_hash(const char *path, char hash[17]);
+
+/* ---- The floating-point environment around an engine's code (float_environment.c): saved before a call, restored
+ * after it ---- */
+
+/* The floating-point modes that code may leave changed, as bits. */
+enum {
+    PL_MODE_ROUNDING = 1u << 0, /* the rounding mode */
+    PL_MODE_TRAPS = 1u << 1,    /* which exceptions trap */
+    PL_MODE_FLUSH = 1u << 2     /* whether subnormal numbers are flushed to zero (x86) */
+};
+
+/* An environment that was saved. */
+typedef struct pl_float_environment {
+    fenv_t all;
+    int rounding;     /* fegetround */
+    int traps;        /* fegetexcept */
+    unsigned control; /* the modes of MXCSR; 0 where there is none */
+} pl_float_environment;
+
+/* The environment now. */
+pl_float_environment pl_float_environment_save(void);
+
+/* Restores it all, and returns the PL_MODE_* bits of the modes that had changed. Raised flags are
+ * restored, and are no mode. */
+unsigned pl_float_environment_restore(const pl_float_environment *saved);
 
 #endif

@@ -30,33 +30,45 @@ double pl_monotonic_seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* The limit is on writable memory: interpreters reserve far more addresses than they use. The shadow of
- * a sanitizer is larger than any limit. */
-static const bool can_limit_memory = !PL_SANITIZER;
-
-/* The writable memory of this process, bytes; 0 where /proc does not have it. */
-static uint64_t own_memory(void)
+void pl_file_field(const char *path, const char *key, char *text, size_t size)
 {
-    static const char key[] = "VmData:";
-    char line[256];
-    uint64_t bytes = 0;
-    FILE *file = fopen("/proc/self/status", "re");
-    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
-        if (strncmp(line, key, sizeof key - 1) == 0) {
-            bytes = 1024 * strtoull(line + sizeof key - 1, NULL, 10);
+    char line[512];
+    text[0] = '\0';
+    FILE *file = fopen(path, "re");
+    while (file != NULL && text[0] == '\0' && fgets(line, sizeof line, file) != NULL) {
+        if (strncmp(line, key, strlen(key)) == 0) {
+            const char *value = line + strlen(key);
+            value += strspn(value, " \t:=\"");
+            snprintf(text, size, "%.*s", (int)strcspn(value, "\"\n"), value);
         }
     }
     if (file != NULL) {
         fclose(file);
     }
-    return bytes;
 }
+
+void *pl_shared_new(size_t size)
+{
+    void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) {
+        pl_out_of_memory();
+    }
+    return memory;
+}
+
+/* ---- Limits ---- */
+
+/* The limit is on writable memory: interpreters reserve far more addresses than they use. The shadow of
+ * a sanitizer is larger than any limit. */
+static const bool can_limit_memory = !PL_SANITIZER;
 
 void pl_process_limit_memory(uint64_t memory)
 {
     struct rlimit limit;
+    char own[64];
     if (can_limit_memory && memory != 0 && getrlimit(RLIMIT_DATA, &limit) == 0) {
-        const rlim_t most = own_memory() + memory;
+        pl_file_field("/proc/self/status", "VmData", own, sizeof own);
+        const rlim_t most = 1024 * strtoull(own, NULL, 10) + memory;
         limit.rlim_cur = most < limit.rlim_max ? most : limit.rlim_max;
         setrlimit(RLIMIT_DATA, &limit);
     }
@@ -73,6 +85,8 @@ static void limit_resources(const pl_limits *limits)
     }
     pl_process_limit_memory(limits->memory);
 }
+
+/* ---- In the job ---- */
 
 static void restore_signals(void)
 {
@@ -138,6 +152,8 @@ static _Noreturn void run_supervisor(const job_def *job, pid_t parent, int outpu
     pl_supervise(pid, report);
 }
 
+/* ---- In the harness ---- */
+
 static void close_end(int *descriptor)
 {
     if (*descriptor >= 0) {
@@ -155,11 +171,7 @@ pl_status pl_process_start(pl_process *process, const pl_limits *limits,
     *process = (pl_process){.supervisor = -1, .handle = -1, .output = -1, .answer = -1};
     process->text_capacity = CHUNK;
     process->text = pl_heap_new(1, CHUNK);
-    process->report = mmap(NULL, sizeof *process->report, PROT_READ | PROT_WRITE,
-                           MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (process->report == MAP_FAILED) {
-        pl_out_of_memory();
-    }
+    process->report = pl_shared_new(sizeof *process->report);
     if (pipe2(output, O_CLOEXEC) != 0 || pipe2(answer, O_CLOEXEC) != 0) {
         status = pl_fail(error, PL_IO, "cannot make a pipe for a run: %s", strerror(errno));
         goto cleanup;

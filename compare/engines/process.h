@@ -1,18 +1,21 @@
 /* A job in a process of its own, under limits. Its output and its answer are collected.
  *
- * The job leads its own session, so that no terminal reaches it. All its offspring ends with it, and
- * it ends with its caller: supervisor.h is between the two. Standard output and error are one pipe, of
+ * The job leads its own session, so that no terminal reaches it. Standard output and error are one pipe, of
  * which the last PL_OUTPUT_TAIL bytes are kept. The answer goes through another. The parent never
  * blocks: it polls.
  *
- * Linux (pidfd_open, prctl). */
+ * Between the two is a supervisor, which outlives the job, to end whatever the job has left. Every descendant of a job
+ * whose parent has ended becomes a child of the supervisor, also one in a session of its own. The supervisor kills them
+ * when the job has ended, or when the harness has. Without /proc only the job's session is killed.
+ *
+ * Linux (pidfd_open, prctl: PR_SET_CHILD_SUBREAPER, PR_SET_PDEATHSIG). */
 #ifndef PLUMB_PROCESS_H
 #define PLUMB_PROCESS_H
 
 #include "plumb/base.h"
-#include "supervisor.h"
 
 #include <poll.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -31,6 +34,13 @@ typedef struct pl_limits {
     uint64_t memory; /* bytes that the process may take in its job; 0: no limit */
 } pl_limits;
 
+/* What a supervisor reports to the harness, in memory that both map and the job does not. */
+typedef struct pl_supervision {
+    _Atomic(int) job; /* its process; 0: it has not started */
+    atomic_bool has_ended;
+    int wait_status; /* of the job, as waitpid gives it; set before has_ended */
+} pl_supervision;
+
 /* A job's process, and its supervisor. */
 typedef struct pl_process {
     pid_t supervisor;
@@ -47,6 +57,13 @@ typedef struct pl_process {
      * '{' on, which alone are kept in `text`. NULL, as pl_process_start sets it: all are kept. */
     FILE *stream;
 } pl_process;
+
+/* Zeroed memory that processes which are forked later share with this one. The caller unmaps it. */
+void *pl_shared_new(size_t size);
+
+/* The text after `key` and any of " \t:=\"" in the first line of `path` that begins with `key`, without a closing
+ * quote: "VmRSS" of "VmRSS:  12 kB" is "12 kB". Empty when there is none. */
+void pl_file_field(const char *path, const char *key, char *text, size_t size);
 
 /* Seconds of a clock that is never set. */
 double pl_monotonic_seconds(void);
@@ -83,6 +100,18 @@ void pl_process_kill(pl_process *process);
 
 /* Frees what an ended process holds. */
 void pl_process_free(pl_process *process);
+
+/* ---- The supervisor (supervisor.c) ---- */
+
+/* In a child of the harness, to be called first: makes it a supervisor, in a session of its own. It ends at once where
+ * `parent`, the harness, has ended already. */
+void pl_supervisor_begin(pid_t parent);
+
+/* In the supervisor: waits until the job has ended, kills it at SIGTERM, which is also what the death of the harness
+ * sends, and ends this process when no descendant is left. One that cannot be killed is waited for 5 s. */
+_Noreturn void pl_supervise(pid_t job, pl_supervision *report);
+
+/* ---- How it ended ---- */
 
 /* The last line that a process printed, of at most 200 bytes; control characters become '?'. */
 void pl_process_last_line(const pl_process *process, char text[201]);

@@ -1,11 +1,11 @@
-#include "supervisor.h"
+/* The process between the harness and a job: it outlives the job, to end whatever the job has left. */
+#include "process.h"
 
 #include <ctype.h>
 #include <dirent.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -65,18 +65,10 @@ static bool reap(pid_t job, pl_supervision *report)
 /* The parent of a process; 0: it has none, or is gone. */
 static pid_t parent_of(const char *process)
 {
-    char path[300], text[512];
-    int parent = 0;
-    snprintf(path, sizeof path, "/proc/%s/stat", process);
-    FILE *file = fopen(path, "re");
-    if (file != NULL) {
-        text[fread(text, 1, sizeof text - 1, file)] = '\0';
-        fclose(file);
-        /* pid (name) state parent, where the name may hold anything. */
-        const char *end = strrchr(text, ')');
-        parent = end != NULL && sscanf(end + 1, " %*c %d", &parent) == 1 ? parent : 0;
-    }
-    return parent;
+    char path[300], parent[16];
+    snprintf(path, sizeof path, "/proc/%s/status", process);
+    pl_file_field(path, "PPid", parent, sizeof parent);
+    return (pid_t)strtol(parent, NULL, 10);
 }
 
 static void kill_children(void)

@@ -1,4 +1,4 @@
-#include "tuned_profile.h"
+#include "registry.h"
 
 #include "base/heap.h"
 #include "base/json_field.h"

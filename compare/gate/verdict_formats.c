@@ -3,10 +3,10 @@
 #include "gate.h"
 
 #include "base/heap.h"
-#include "base/json_write.h"
 #include "base/table.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { PLACE_SIZE = 512, WORDS_SIZE = 1024 };
@@ -248,8 +248,9 @@ static void write_json(const pl_gate_verdict *verdict, pl_text_buffer *buffer)
         json_pack("{s:s, s:s, s:i, s:i, s:o, s:o}", "schema", "plumb.gate/1", "verdict", word,
                   "rows", verdict->now->count, "comparisons", verdict->comparisons, "failures",
                   entries_json(verdict, true), "notices", entries_json(verdict, false));
-    pl_text_add_json_tree(buffer, json, PL_JSON_INDENTED);
-    pl_text_add(buffer, "\n");
+    char *text = pl_heap_json(json, JSON_INDENT(1));
+    pl_text_format(buffer, "%s\n", text);
+    free(text);
     json_decref(json);
 }
 

@@ -1,4 +1,4 @@
-#include "case_name.h"
+#include "result_table.h"
 
 #include "base/heap.h"
 #include "base/number_format.h"

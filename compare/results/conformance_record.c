@@ -118,35 +118,23 @@ static bool is_record(const json_t *record, const pl_engine_info *engine, const 
            pl_json_get_text(json_object_get(record, PL_PROGRAM), "version")[0] != '\0';
 }
 
-json_t *pl_conformance_record_read(const pl_engine_info *engine, const char *profile)
+json_t *pl_conformance_find(const pl_engine_info *engine, const char *profile)
 {
     char *folder;
     if (engine->binary[0] == '\0' || !cache_folder(&folder)) {
-        return NULL;
+        return json_null();
     }
     char *path = record_path(folder, engine, profile);
     json_t *record = json_load_file(path, JSON_REJECT_DUPLICATES, NULL);
+    json_t *found =
+        !is_record(record, engine, profile)
+            ? json_null()
+            : json_pack("{s:O, s:O, s:O, s:O}", "outcome", json_object_get(record, "outcome"),
+                        "checks", json_object_get(record, "checks"), "failed",
+                        json_object_get(record, "failed"), PL_PROGRAM,
+                        json_object_get(json_object_get(record, PL_PROGRAM), "version"));
+    json_decref(record);
     free(path);
     free(folder);
-    if (!is_record(record, engine, profile)) {
-        json_decref(record);
-        return NULL;
-    }
-    return record;
-}
-
-pl_conformance pl_conformance_find(const pl_engine_info *engine, const char *profile)
-{
-    pl_conformance found = {.is_known = false};
-    json_t *record = pl_conformance_record_read(engine, profile);
-    if (record != NULL) {
-        found.is_known = true;
-        count_of(record, "checks", &found.checks);
-        count_of(record, "failed", &found.failed);
-        found.passed = found.failed == 0;
-        snprintf(found.plumb, sizeof found.plumb, "%s",
-                 pl_json_get_text(json_object_get(record, PL_PROGRAM), "version"));
-    }
-    json_decref(record);
     return found;
 }

@@ -11,15 +11,6 @@
 
 #include <jansson.h>
 
-/* What is known of the conformance of an engine with a profile. */
-typedef struct pl_conformance {
-    bool is_known; /* a record exists; the rest has a meaning only then */
-    bool passed;
-    int checks;     /* made, without those that were skipped */
-    int failed;     /* of them */
-    char plumb[32]; /* version of plumb that made them */
-} pl_conformance;
-
 /* Keeps that `checks` checks were made and `failed` of them failed, and that `skipped` others were
  * skipped. For a run of all checks with the profile's default options only: `passed` is claimed of
  * the profile. An engine without a binary hash, because it could not be loaded, has no record.
@@ -27,11 +18,9 @@ typedef struct pl_conformance {
 pl_status pl_conformance_record_write(const pl_engine_info *engine, const char *profile, int checks,
                                       int failed, int skipped, pl_error *error);
 
-/* The record of this binary of the engine with the profile: a new reference. NULL: there is none,
- * or it is damaged or not of this engine. */
-json_t *pl_conformance_record_read(const pl_engine_info *engine, const char *profile);
-
-/* The same as a struct. */
-pl_conformance pl_conformance_find(const pl_engine_info *engine, const char *profile);
+/* What is known of this binary of the engine with the profile, as results say it: {"outcome", "checks", "failed",
+ * "plumb"}, where `checks` were made, and `plumb` is the version that made them. JSON null: there is no record, or it
+ * is damaged or not of this engine. A new reference. */
+json_t *pl_conformance_find(const pl_engine_info *engine, const char *profile);
 
 #endif

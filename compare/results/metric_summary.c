@@ -1,7 +1,6 @@
 /* A measured number (time, memory) becomes a median with its median absolute deviation, which a
  * single disturbed repeat does not move. A deterministic number must be the same in every repeat,
  * bit for bit; otherwise the summary is marked. */
-#include "metric_summary.h"
 
 #include "base/heap.h"
 #include "base/number_format.h"

@@ -1,10 +1,7 @@
-/* A run's result as JSON. The hash of a run is FNV-1a over the canonical JSON of the keys that
- * identify the run. */
+/* A run's result as JSON. */
 #include "result.h"
 
-#include "base/hash.h"
 #include "base/heap.h"
-#include "base/json_write.h"
 #include "base/program_name.h"
 #include "base/thread_pool.h"
 
@@ -90,15 +87,14 @@ json_t *pl_json_number_or_null(double value)
 
 void pl_result_add_line(pl_text_buffer *text, const json_t *result)
 {
-    pl_text_add_json_tree(text, result, PL_JSON_COMPACT);
-    pl_text_add(text, "\n");
+    char *line = pl_result_to_line(result);
+    pl_text_format(text, "%s\n", line);
+    free(line);
 }
 
 char *pl_result_to_line(const json_t *result)
 {
-    pl_text_buffer text = {0};
-    pl_text_add_json_tree(&text, result, PL_JSON_COMPACT);
-    return pl_text_take(&text);
+    return pl_heap_json(result, JSON_COMPACT);
 }
 
 void pl_timestamp(char text[32])
@@ -111,108 +107,6 @@ void pl_timestamp(char text[32])
     strftime(seconds, sizeof seconds, "%Y-%m-%dT%H:%M:%S", &utc);
     int milliseconds = (int)(now.tv_nsec / 1000000) % 1000;
     snprintf(text, 32, "%s.%03dZ", seconds, milliseconds);
-}
-
-/* An integral parameter is written as an integer. */
-static void set_number(json_t *object, const char *name, double value, bool integer)
-{
-    json_object_set_new(object, name,
-                        integer ? json_integer((json_int_t)value) : pl_json_number_or_null(value));
-}
-
-/* The time step and the duration of a scene file are no parameters, unless they were given. */
-static json_t *params_json(const pl_run_view *run)
-{
-    json_t *params = json_object();
-    for (int i = 0; i < run->descriptor->param_count; ++i) {
-        const pl_param *param = &run->descriptor->params[i];
-        if (!isnan(run->params[i])) {
-            set_number(params, param->name, run->params[i], param->integer);
-        }
-    }
-    return params;
-}
-
-static json_t *settings_json(const pl_run_view *run)
-{
-    json_t *settings = json_object();
-    set_number(settings, "dt", run->dt, false);
-    set_number(settings, "duration", run->duration, false);
-    for (int i = 0; i < run->engine->option_count; ++i) {
-        const pl_engine_option *option = &run->engine->options[i];
-        set_number(settings, option->name, run->options[i], option->integer);
-    }
-    return settings;
-}
-
-/* The SPEC of the engine and its profile: what plumb check-engine takes. */
-static json_t *spec_json(const pl_run_view *run)
-{
-    const pl_engine_info *engine = run->engine;
-    char *spec = pl_heap_format("%s:%s", engine->spec, engine->profiles[run->profile].name);
-    json_t *text = pl_json_text(spec);
-    free(spec);
-    return text;
-}
-
-json_t *pl_conformance_to_json(const pl_conformance *conformance)
-{
-    if (!conformance->is_known) {
-        return json_null();
-    }
-    return json_pack("{s:s, s:i, s:i, s:s}", "outcome", conformance->passed ? "passed" : "failed",
-                     "checks", conformance->checks, "failed", conformance->failed, PL_PROGRAM,
-                     conformance->plumb);
-}
-
-/* The engine's first profile with its default options. */
-static bool is_as_shipped(const pl_run_view *run)
-{
-    bool equal = run->profile == 0;
-    for (int i = 0; i < run->engine->option_count && equal; ++i) {
-        equal = run->options[i] == pl_engine_profile_values(run->engine, 0)[i];
-    }
-    return equal;
-}
-
-json_t *pl_run_identity(const pl_run_view *run)
-{
-    json_t *identity = json_pack(
-        "{s:o, s:o, s:s, s:s, s:s, s:s, s:o, s:I, s:i}", "scenario", pl_json_text(run->scenario),
-        "params", params_json(run), "scene_hash", run->scene_hash, "engine", run->engine->name,
-        "engine_version", run->engine->version, "profile", run->engine->profiles[run->profile].name,
-        "settings", settings_json(run), "seed", (json_int_t)run->seed, "repeat", run->repeat);
-    json_object_set_new(identity, "engine_binary", json_string(run->engine->binary));
-    if (run->is_member) {
-        json_object_set_new(identity, "member", json_integer(run->member));
-    }
-    if (run->change != NULL) {
-        json_object_set_new(identity, "change", json_string(run->change));
-    }
-    if (run->study != NULL) {
-        json_object_set(identity, "study", run->study);
-    }
-    if (run->label_is_given) {
-        json_object_set_new(identity, "label", pl_json_text(run->label));
-    }
-    char *text = pl_result_to_line(identity);
-    char hash[PL_HASH_TEXT_SIZE];
-    pl_hash_hex(pl_hash_text(PL_HASH_START, text), hash);
-    free(text);
-    json_object_set_new(identity, "run", json_string(hash));
-    json_object_set_new(identity, "label", pl_json_text(run->label));
-    if (run->descriptor->edition[0] != '\0') {
-        json_object_set_new(identity, "scene_edition", json_string(run->descriptor->edition));
-    }
-    json_object_set_new(identity, "primary_error", json_string(run->primary_error));
-    json_object_set_new(identity, "acceptance", pl_json_number_or_null(run->acceptance));
-    json_object_set_new(identity, "engine_spec", spec_json(run));
-    json_object_set_new(identity, "engine_runtime", json_string(pl_engine_runtime(run->engine)));
-    json_object_set_new(identity, "threads",
-                        json_integer(pl_engine_threads(run->engine, run->options)));
-    json_object_set_new(identity, "as_shipped", json_boolean(is_as_shipped(run)));
-    json_object_set_new(identity, "conformance", pl_conformance_to_json(&run->conformance));
-    return identity;
 }
 
 static const char *direction_name(pl_direction direction)
@@ -364,26 +258,6 @@ bool pl_results_all_unsupported(const json_t *results)
 
 /* ---- Provenance ---- */
 
-/* The text after `key` and any of " \t:=\"" in the first line of `path` that begins with `key`,
- * without the closing quote; empty when there is none. */
-static void read_field(const char *path, const char *key, char *text, size_t size)
-{
-    char line[512];
-    text[0] = '\0';
-    FILE *file = fopen(path, "r");
-    if (file == NULL) {
-        return;
-    }
-    while (text[0] == '\0' && fgets(line, sizeof line, file) != NULL) {
-        if (strncmp(line, key, strlen(key)) == 0) {
-            const char *value = line + strlen(key);
-            value += strspn(value, " \t:=\"");
-            snprintf(text, size, "%.*s", (int)strcspn(value, "\"\n"), value);
-        }
-    }
-    fclose(file);
-}
-
 static json_t *host_json(void)
 {
     char cpu[256];
@@ -393,8 +267,8 @@ static json_t *host_json(void)
     if (uname(&kernel) != 0) {
         kernel = (struct utsname){.sysname = "unknown", .release = "", .machine = "unknown"};
     }
-    read_field("/proc/cpuinfo", "model name", cpu, sizeof cpu);
-    read_field("/etc/os-release", "PRETTY_NAME", os, sizeof os);
+    pl_file_field("/proc/cpuinfo", "model name", cpu, sizeof cpu);
+    pl_file_field("/etc/os-release", "PRETTY_NAME", os, sizeof os);
     snprintf(kernel_and_os, sizeof kernel_and_os, "%s%s%s %s", os, os[0] == '\0' ? "" : ", ",
              kernel.sysname, kernel.release);
     const char *processor = cpu[0] != '\0' ? cpu : kernel.machine;

@@ -1,6 +1,6 @@
 /* The result of one run in memory, and its form as a JSON object, plumb.result/1 (SCHEMA.md).
  *
- * A result has four parts, made in different places: which run it is (pl_run_view), its outcome
+ * A result has four parts, made in different places: which run it is (pl_planned_run_identity), its outcome
  * (pl_run_result, made in the run's own process), what it printed, and where it was made (host,
  * build, command). JSON values returned here are new references. */
 #ifndef PLUMB_RESULT_H
@@ -8,7 +8,6 @@
 
 #include "base/json_field.h"
 #include "base/text_buffer.h"
-#include "conformance_record.h"
 #include "engines/engine_info.h"
 #include "plumb/engine_abi.h"
 #include "plumb/scenario.h"
@@ -34,37 +33,6 @@ const char *pl_outcome_name(pl_outcome outcome);
 
 /* The outcome of that name; PL_OUTCOME_COUNT: none. */
 pl_outcome pl_outcome_named(const char *name);
-
-/* What identifies a run, and what is known of its engine. Everything is borrowed for the length of
- * a call. */
-typedef struct pl_run_view {
-    const char *scenario; /* catalogue name, or the path of a scene file as given */
-    const pl_scenario *descriptor;
-    const double *params; /* (descriptor->param_count) */
-    const char *scene_hash;
-    const char *primary_error;
-    double acceptance;   /* of the primary error; INFINITY: none is stated */
-    double dt, duration; /* s, of the scene as built */
-    const pl_engine_info *engine;
-    int profile;
-    const double *options; /* (engine->option_count) */
-    const char *label;
-    bool label_is_given; /* label=: it then identifies the run */
-    uint64_t seed;       /* below 2^53, so that every JSON reader keeps it whole */
-    int repeat;
-    bool is_member;             /* of an ensemble */
-    int member;                 /* from 0 */
-    const char *change;         /* of the scene; NULL: none */
-    json_t *study;              /* that the run belongs to; NULL: none */
-    pl_conformance conformance; /* of the engine with the profile; no part of the identity */
-} pl_run_view;
-
-/* As in results: {"outcome", "checks", "failed", PL_PROGRAM}, or null where nothing is known. */
-json_t *pl_conformance_to_json(const pl_conformance *conformance);
-
-/* The keys from `scenario` to `repeat`, `engine_spec`, `threads`, `as_shipped` and `conformance`, and `run`: the
- * hash of those that identify the run. */
-json_t *pl_run_identity(const pl_run_view *run);
 
 /* What engines can read back. */
 typedef enum pl_read_back {
@@ -147,5 +115,34 @@ bool pl_metric_is_deterministic(const json_t *metric, int id);
 /* Returns the unit of a metric in pl_metric_table. "" for a plain number, for a metric that this
  * build does not know (id -1), and for metrics whose unit the result names. */
 const char *pl_metric_table_unit(int id);
+
+/* ---- The verdict: whether the answer is right (run_verdict.c) ---- */
+
+/* The three verdicts on a run, in the order in which they are counted. */
+typedef enum pl_verdict {
+    PL_VERDICT_ACCURATE,   /* its primary error is at most the scene's acceptance */
+    PL_VERDICT_INACCURATE, /* it is larger */
+    PL_VERDICT_FAILED,  /* the outcome is not ok, or a body moved in a way that nothing explains */
+    PL_VERDICT_UNJUDGED /* unsupported; or the scene states no acceptance; or the primary error has
+                             no value */
+} pl_verdict;
+enum { PL_VERDICT_COUNT = 4 };
+
+/* "accurate", "inaccurate", "failed", and "not judged", which is null in results. */
+const char *pl_verdict_name(pl_verdict verdict);
+
+/* The verdict of a result. One that was made without verdicts failed where its outcome says so, and
+ * is else not judged. */
+pl_verdict pl_verdict_of(const json_t *result);
+
+/* The whole result: the union of identity, outcome and provenance (each borrowed), with `schema`,
+ * `output` (null when `output` is empty), `started`, and its verdict. */
+json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,
+                          size_t output_length, const char *started);
+
+/* The result of a run that is not made: its outcome, and the reason as that of the outcome. Memory that ends ends the
+ * program. */
+json_t *pl_result_unmade(json_t *identity, pl_outcome outcome, long steps_asked, const char *reason,
+                         json_t *provenance);
 
 #endif

@@ -1,5 +1,5 @@
 /* Reads rows of results, and drops those that newer ones replace. */
-#include "result_rows.h"
+#include "result_table.h"
 
 #include "base/heap.h"
 #include "base/program_name.h"

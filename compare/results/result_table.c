@@ -4,7 +4,6 @@
 #include "base/folding.h"
 #include "base/heap.h"
 #include "engines/registry.h"
-#include "result_rows.h"
 
 #include <stdlib.h>
 #include <string.h>

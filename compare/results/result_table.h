@@ -14,11 +14,59 @@
 #ifndef PLUMB_RESULT_TABLE_H
 #define PLUMB_RESULT_TABLE_H
 
-#include "case_name.h"
-#include "metric_summary.h"
-#include "run_verdict.h"
+#include "result.h"
 
 #include <stdio.h>
+
+/* ---- Cases (case_name.c): their key and name are the same for results and for rows of a baseline. Parameters at their
+ * defaults do not count, so that one that a scenario gets later makes no old row another case. ---- */
+
+enum { PL_CASE_NAME_SIZE = 256 };
+
+/* A case, by the values that identify it. Everything is borrowed. */
+typedef struct pl_case_identity {
+    const char *scenario;
+    const pl_scenario *catalogue; /* NULL: a scene file, or unknown here */
+    const json_t *params;         /* name -> number; NULL: none */
+    double dt;                    /* s; NAN: any, and then the parameter dt does not count */
+    double duration;              /* s */
+    json_int_t seed;
+    int member; /* -1: of no ensemble */
+} pl_case_identity;
+
+/* Returns "scenario\x01 a=1 b=2\x01dt\x01duration\x01seed\x01member\x01", parameters by name. The caller frees. */
+char *pl_case_key(const pl_case_identity *identity);
+
+/* Writes the scenario with the parameters that are off their defaults (of a scene file, whose defaults are not known
+ * here, all), a seed other than 0, and the member: "slope angle=0.5 rad seed=3". */
+void pl_case_name(const pl_case_identity *identity, char name[PL_CASE_NAME_SIZE]);
+
+/* Appends formatted text to a name, as much as it has room for. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void pl_case_name_add(char name[PL_CASE_NAME_SIZE], const char *format, ...);
+
+/* The parameters that count, off their defaults: a new object. */
+json_t *pl_case_params(const pl_case_identity *identity);
+
+/* ---- The table ---- */
+
+/* A metric summarised over the repeats of one run. Texts are borrowed from the results. */
+typedef struct pl_metric_summary {
+    pl_metric_state state; /* VALUE when any repeat has a number */
+    double value;          /* the median of the repeats that have a number */
+    double min, max, mad;  /* mad: median of |x - median| */
+    int count;             /* repeats that have a number */
+    const char *text;      /* state TEXT */
+    const char *reason;    /* of the first repeat without a value; NULL: there is none */
+    const char *unit;      /* the result's own, or the table's */
+    int answer;            /* the number of the nearest of several right answers; 0: none */
+    bool is_deterministic;
+    bool disagrees; /* a deterministic metric whose repeats differ */
+    bool has_percentiles;
+    double p50, p95, p99, worst_step; /* medians over repeats */
+} pl_metric_summary;
 
 /* A result, checked and typed. Texts that are absent are "". */
 typedef struct pl_result_row {
@@ -156,5 +204,41 @@ bool pl_result_cell_is_ok(const pl_result_cell *cell);
 
 /* What tells the row's case from others. */
 pl_case_identity pl_result_row_identity(const pl_result_row *row);
+
+/* ---- Rows before they are laid out, and their orders (result_rows.c) ---- */
+
+/* Reads the rows of all files into the table, without those that newer ones replace, which it counts. Errors as of
+ * pl_result_table_build. */
+pl_status pl_result_rows_read(const pl_result_table_def *def, pl_result_table *table,
+                              pl_error *error);
+
+/* What tells the row's scene from others. */
+pl_case_identity pl_result_row_scene(const pl_result_row *row);
+
+/* Order by scene, as of strcmp: 0 for rows of one scene. */
+int pl_result_rows_compare_scenes(const pl_result_row *a, const pl_result_row *b);
+
+/* Order by case: by scene, then by falling time step, change and hash. */
+int pl_result_rows_compare_cases(const pl_result_row *a, const pl_result_row *b);
+
+/* Order by build, of rows of one engine. */
+int pl_result_rows_compare_builds(const pl_result_row *a, const pl_result_row *b);
+
+/* ---- Metrics over repeats (metric_summary.c) ---- */
+
+enum { PL_METRIC_TEXT_SIZE = 160, PL_METRIC_NOTE_SIZE = 640 };
+
+/* Summarises the metric of that name over the results of one run, which must outlive the summary. */
+pl_metric_summary pl_metric_summarise(const pl_result_row *rows, int count, const char *name);
+
+/* Writes the value as in a table; "–" when there is none. */
+void pl_metric_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_SIZE]);
+
+/* The same, with the spread where repeats differ: "12.3 ± 0.4 µs" has the median and `mad`. */
+void pl_metric_spread_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_SIZE]);
+
+/* Writes the text of a tooltip: why there is no value, or spread and percentiles; "" where there is
+ * nothing to say. */
+void pl_metric_note(const pl_metric_summary *summary, char text[PL_METRIC_NOTE_SIZE]);
 
 #endif

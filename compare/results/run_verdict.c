@@ -1,9 +1,11 @@
 /* The verdict on a run, from the keys of its result. */
-#include "run_verdict.h"
+#include "result.h"
+
+#include "base/heap.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The largest unexplained motion of a run that has not failed, as a part of the body's radius. What
@@ -56,45 +58,31 @@ static bool is_of_expectations(const char *metric)
     return found;
 }
 
-/* Appends to the reason, as printf. */
-#if defined(__GNUC__)
-__attribute__((format(printf, 3, 4)))
-#endif
-static void
-add(char *reason, size_t size, const char *format, ...)
+static const char *separator(const pl_text_buffer *reason)
 {
-    const size_t length = strlen(reason);
-    va_list arguments;
-    va_start(arguments, format);
-    (void)vsnprintf(reason + length, size - length, format, arguments);
-    va_end(arguments);
-}
-
-static const char *separator(const char *reason)
-{
-    return reason[0] == '\0' ? "" : "; ";
+    return reason->length == 0 ? "" : "; ";
 }
 
 /* Names the expectations that the run is off, worst first, up to `most`. False: there are none. */
-static bool name_deviations(const json_t *result, size_t most, char *reason, size_t size)
+static bool name_deviations(const json_t *result, size_t most, pl_text_buffer *reason)
 {
     const json_t *list = json_object_get(result, "off");
     const json_int_t count = json_integer_value(json_object_get(result, "off_count"));
     const size_t length = json_array_size(list);
     const json_int_t named = (json_int_t)(length < most ? length : most);
     for (size_t i = 0; i < (size_t)named; ++i) {
-        add(reason, size, "%s%s", separator(reason),
-            pl_json_get_text(json_array_get(list, i), "what"));
+        pl_text_format(reason, "%s%s", separator(reason),
+                       pl_json_get_text(json_array_get(list, i), "what"));
     }
     if (count > named) {
-        add(reason, size, "; and %lld more", (long long)(count - named));
+        pl_text_format(reason, "; and %lld more", (long long)(count - named));
     }
     return count > 0;
 }
 
 /* Writes the two numbers with as many digits, three or more, as they need to differ. */
-static void add_bound(const char *what, double error, double bound, const char *unit, char *reason,
-                      size_t size)
+static void add_bound(const char *what, double error, double bound, const char *unit,
+                      pl_text_buffer *reason)
 {
     char found[32], least[32];
     int digits = 3;
@@ -104,12 +92,12 @@ static void add_bound(const char *what, double error, double bound, const char *
     } while (strcmp(found, least) == 0 && digits++ < 17);
     unit = strcmp(unit, "1") == 0 ? "" : unit;
     const char *space = unit[0] != '\0' ? " " : "";
-    add(reason, size, "%s%s %s%s%s, beyond %s%s%s", separator(reason), what, found, space, unit,
-        least, space, unit);
+    pl_text_format(reason, "%s%s %s%s%s, beyond %s%s%s", separator(reason), what, found, space,
+                   unit, least, space, unit);
 }
 
 /* Judges the primary error by the scene's acceptance. */
-static pl_verdict judge_primary(const json_t *result, char *reason, size_t size)
+static pl_verdict judge_primary(const json_t *result, pl_text_buffer *reason)
 {
     const json_t *acceptance = json_object_get(result, "acceptance");
     const char *name = pl_json_get_text(result, "primary_error");
@@ -117,83 +105,87 @@ static pl_verdict judge_primary(const json_t *result, char *reason, size_t size)
     const json_t *metric = json_object_get(json_object_get(result, "metrics"), "reference_error");
     const char *part = pl_json_get_text(metric, "part");
     if (!json_is_number(acceptance)) {
-        snprintf(reason, size, "the scene states no acceptance");
+        pl_text_format(reason, "the scene states no acceptance");
         return PL_VERDICT_UNJUDGED;
     }
     if (name[0] == '\0') {
-        snprintf(reason, size, "the scene expects nothing");
+        pl_text_format(reason, "the scene expects nothing");
         return PL_VERDICT_UNJUDGED;
     }
     if (isnan(error)) {
-        snprintf(reason, size, "%s has no value: %s", name, why_absent(result, "reference_error"));
+        pl_text_format(reason, "%s has no value: %s", name, why_absent(result, "reference_error"));
         return PL_VERDICT_UNJUDGED;
     }
     if (error <= json_number_value(acceptance)) {
         return PL_VERDICT_ACCURATE;
     }
     add_bound(part[0] != '\0' ? part : name, error, json_number_value(acceptance),
-              pl_json_get_text(metric, "unit"), reason, size);
+              pl_json_get_text(metric, "unit"), reason);
     return PL_VERDICT_INACCURATE;
 }
 
 /* Judges everything that the scene states, of a run that ended ok. */
-static pl_verdict judge_errors(const json_t *result, char *reason, size_t size)
+static pl_verdict judge_errors(const json_t *result, pl_text_buffer *reason)
 {
     const bool has_expectations = !isnan(pl_result_metric(result, "expectation_error"));
     const bool is_bounded = json_is_number(json_object_get(result, "acceptance"));
-    char of_primary[512] = "", of_expectations[1024] = "";
-    pl_verdict verdict = judge_primary(result, of_primary, sizeof of_primary);
+    pl_text_buffer of_primary = {0}, of_expectations = {0};
+    pl_verdict verdict = judge_primary(result, &of_primary);
     if (has_expectations &&
         (!is_bounded || (verdict == PL_VERDICT_INACCURATE &&
                          is_of_expectations(pl_json_get_text(result, "primary_error"))))) {
         verdict = PL_VERDICT_ACCURATE; /* unless an expectation is off */
-        of_primary[0] = '\0';
+        pl_text_free(&of_primary);
     }
     /* A note describes how the worst of many bodies has moved. */
     const char *note = pl_json_get_text(result, "note");
     const size_t most = note[0] != '\0' ? 1 : PL_MOST_DEVIATIONS;
-    if (name_deviations(result, most, of_expectations, sizeof of_expectations)) {
+    if (name_deviations(result, most, &of_expectations)) {
         verdict = PL_VERDICT_INACCURATE;
     }
-    const char *parts[] = {verdict == PL_VERDICT_INACCURATE ? note : "", of_expectations,
-                           of_primary};
+    char *parts[] = {pl_heap_copy(verdict == PL_VERDICT_INACCURATE ? note : ""),
+                     pl_text_take(&of_expectations), pl_text_take(&of_primary)};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
-        add(reason, size, "%s%s", parts[i][0] != '\0' ? separator(reason) : "", parts[i]);
+        pl_text_format(reason, "%s%s", parts[i][0] != '\0' ? separator(reason) : "", parts[i]);
+        free(parts[i]);
     }
     return verdict;
 }
 
-static pl_verdict judge(const json_t *result, char *reason, size_t size)
+static pl_verdict judge(const json_t *result, pl_text_buffer *reason)
 {
     const char *outcome = pl_json_get_text(result, "outcome");
     const double unexplained = pl_result_metric(result, "unexplained_motion");
     if (strcmp(outcome, pl_outcome_name(PL_OUTCOME_UNSUPPORTED)) == 0) {
-        snprintf(reason, size, "unsupported");
+        pl_text_format(reason, "unsupported");
         return PL_VERDICT_UNJUDGED;
     }
     if (strcmp(outcome, pl_outcome_name(PL_OUTCOME_OK)) != 0) {
-        snprintf(reason, size, "%s: %s", outcome, pl_json_get_text(result, "reason"));
+        pl_text_format(reason, "%s: %s", outcome, pl_json_get_text(result, "reason"));
         return PL_VERDICT_FAILED;
     }
     if (unexplained > MOST_UNEXPLAINED) {
-        snprintf(reason, size,
-                 "a body moved in one step by %.3g of its radius more than its speed, gravity and "
-                 "contacts explain",
-                 unexplained);
+        pl_text_format(
+            reason,
+            "a body moved in one step by %.3g of its radius more than its speed, gravity and "
+            "contacts explain",
+            unexplained);
         return PL_VERDICT_FAILED;
     }
-    return judge_errors(result, reason, size);
+    return judge_errors(result, reason);
 }
 
 /* Sets `verdict` and `verdict_reason`. */
 static void add_verdict(json_t *result)
 {
-    char reason[1024] = "";
-    const pl_verdict verdict = judge(result, reason, sizeof reason);
+    pl_text_buffer reason = {0};
+    const pl_verdict verdict = judge(result, &reason);
     json_t *name = verdict == PL_VERDICT_UNJUDGED ? json_null() : json_string(names[verdict]);
-    json_t *text = reason[0] == '\0' ? json_null() : pl_json_text(reason);
+    char *text = pl_text_take(&reason);
     json_object_set_new(result, "verdict", name);
-    json_object_set_new(result, "verdict_reason", text);
+    json_object_set_new(result, "verdict_reason",
+                        text[0] == '\0' ? json_null() : pl_json_text(text));
+    free(text);
 }
 
 json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,

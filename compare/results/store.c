@@ -2,7 +2,6 @@
 
 #include "base/heap.h"
 #include "base/json_field.h"
-#include "base/json_write.h"
 #include "result.h"
 
 #include <errno.h>
@@ -17,10 +16,9 @@ struct pl_store {
     FILE *stream; /* for reading what is there; a lock of fcntl(2) lasts until any is closed */
     int file;     /* of the stream, for writing */
     char *path;
-    char *replaced;     /* path of what this file replaces; there is such a file, or none */
-    bool replaces;      /* that file */
-    const char *schema; /* of a line; borrowed */
-    off_t size;         /* bytes of complete lines */
+    char *replaced; /* path of what this file replaces; there is such a file, or none */
+    bool replaces;  /* that file */
+    off_t size;     /* bytes of complete lines */
     json_t *results;
     json_t *runs; /* run hash -> its first result */
 };
@@ -28,8 +26,8 @@ struct pl_store {
 static const char result_schema[] = "plumb.result/1";
 
 /* Appends the result on one line to `results`. */
-static pl_status read_line(const char *line, size_t length, const char *expected, const char *path,
-                           long number, json_t *results, pl_error *error)
+static pl_status read_line(const char *line, size_t length, const char *path, long number,
+                           json_t *results, pl_error *error)
 {
     json_error_t fault;
     json_t *result = json_loadb(line, length, JSON_REJECT_DUPLICATES, &fault);
@@ -38,22 +36,21 @@ static pl_status read_line(const char *line, size_t length, const char *expected
                        fault.text);
     }
     const char *schema = json_string_value(json_object_get(result, "schema"));
-    bool right = schema != NULL && strcmp(schema, expected) == 0 &&
-                 json_is_string(json_object_get(result, "run"));
-    if (!right) {
-        pl_status status = pl_fail(error, PL_BAD_INPUT, "%s:%ld:1: expected a %s, found %s%.100s",
-                                   path, number, expected, schema == NULL ? "no schema" : "schema ",
-                                   schema == NULL ? "" : schema);
+    if (schema == NULL || strcmp(schema, result_schema) != 0 ||
+        !json_is_string(json_object_get(result, "run"))) {
+        pl_fail(error, PL_BAD_INPUT, "%s:%ld:1: expected a %s, found %s%.100s", path, number,
+                result_schema, schema == NULL ? "no schema" : "schema ",
+                schema == NULL ? "" : schema);
         json_decref(result);
-        return status;
+        return PL_BAD_INPUT;
     }
     json_array_append_new(results, result);
     return PL_OK;
 }
 
 /* Reads the results of `stream` into a new array; `path` is for messages. */
-static pl_status read_lines(FILE *stream, const char *schema, const char *path, json_t **results,
-                            long long *whole, pl_error *error)
+static pl_status read_lines(FILE *stream, const char *path, json_t **results, long long *whole,
+                            pl_error *error)
 {
     char *line = NULL;
     size_t capacity = 0;
@@ -65,7 +62,7 @@ static pl_status read_lines(FILE *stream, const char *schema, const char *path, 
     while (status == PL_OK && (length = getline(&line, &capacity, stream)) > 0 &&
            line[length - 1] == '\n') {
         ++number;
-        status = read_line(line, (size_t)length, schema, path, number, read, error);
+        status = read_line(line, (size_t)length, path, number, read, error);
         end += length;
     }
     if (status == PL_OK && ferror(stream)) {
@@ -90,7 +87,7 @@ pl_status pl_results_read(const char *path, json_t **results, long long *whole, 
     if (stream == NULL) {
         return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
     }
-    pl_status status = read_lines(stream, result_schema, path, results, whole, error);
+    pl_status status = read_lines(stream, path, results, whole, error);
     if (!is_stdin) {
         fclose(stream);
     }
@@ -201,9 +198,10 @@ pl_status pl_results_write_json(const char *path, const json_t *value, pl_error 
     if (path == NULL) {
         return PL_OK;
     }
+    char *lines = pl_heap_json(value, JSON_INDENT(1));
     pl_text_buffer text = {0};
-    pl_text_add_json_tree(&text, value, PL_JSON_INDENTED);
-    pl_text_add(&text, "\n");
+    pl_text_format(&text, "%s\n", lines);
+    free(lines);
     return pl_write_buffer(path, &text, error);
 }
 
@@ -241,7 +239,7 @@ static pl_status keep_lines(pl_store *store, pl_error *error)
 {
     json_t *kept = NULL;
     long long whole = 0;
-    pl_status status = read_lines(store->stream, store->schema, store->path, &kept, &whole, error);
+    pl_status status = read_lines(store->stream, store->path, &kept, &whole, error);
     if (status != PL_OK) {
         return status;
     }
@@ -313,37 +311,25 @@ static pl_status set_aside(pl_store *store, pl_error *error)
                : pl_fail(error, PL_IO, "%s: %s", store->path, strerror(errno));
 }
 
-pl_status pl_store_open_file(const char *path, const char *schema, pl_store_mode mode,
-                             const char *remedy, pl_store **store, pl_error *error)
+/* Opens the file of a store that has its paths alone. */
+static pl_status open_store(pl_store *store, pl_store_mode mode, pl_error *error)
 {
-    pl_store *made = pl_heap_new(1, sizeof *made);
-    made->file = -1;
-    made->schema = schema;
-    made->results = json_array();
-    made->runs = json_object();
-    made->path = pl_heap_copy(path);
-    made->replaced = pl_heap_format("%s.replaced", path);
-    pl_status status = open_and_lock(made, error);
+    pl_status status = open_and_lock(store, error);
     if (status == PL_OK && mode == PL_STORE_NEW &&
-        (has_content(path) || has_content(made->replaced))) {
-        status = pl_fail(error, PL_BAD_INPUT, "%s %s", path, remedy);
+        (has_content(store->path) || has_content(store->replaced))) {
+        status = pl_fail(error, PL_BAD_INPUT,
+                         "%s has results: --resume keeps them and makes the runs that are missing, "
+                         "--force replaces them, and --out takes another folder",
+                         store->path);
     }
     if (status == PL_OK && mode == PL_STORE_REPLACE) {
-        status = set_aside(made, error);
-        made->replaces = status == PL_OK;
+        status = set_aside(store, error);
+        store->replaces = status == PL_OK;
     }
     if (status == PL_OK && mode == PL_STORE_RESUME) {
-        status = keep_lines(made, error);
+        status = keep_lines(store, error);
     }
-    if (status == PL_OK) {
-        status = cut(made, error);
-    }
-    if (status != PL_OK) {
-        pl_store_close(made);
-        return status;
-    }
-    *store = made;
-    return PL_OK;
+    return status == PL_OK ? cut(store, error) : status;
 }
 
 /* A folder without results may have files that a command would write. */
@@ -365,24 +351,29 @@ static pl_status check_others(const char *directory, const char *const *others, 
 pl_status pl_store_open(const char *directory, pl_store_mode mode, const char *const *others,
                         pl_store **store, pl_error *error)
 {
-    static const char remedy[] =
-        "has results: --resume keeps them and makes the runs that are missing, --force replaces "
-        "them, and --out takes another folder";
-    char *path = pl_heap_format("%s/results.jsonl", directory);
     pl_status status = pl_make_directories(directory, error);
-    if (status == PL_OK) {
-        status = pl_store_open_file(path, result_schema, mode, remedy, store, error);
+    if (status != PL_OK) {
+        return status;
     }
+    pl_store *made = pl_heap_new(1, sizeof *made);
+    *made = (pl_store){.file = -1,
+                       .path = pl_heap_format("%s/results.jsonl", directory),
+                       .replaced = pl_heap_format("%s/results.jsonl.replaced", directory),
+                       .results = json_array(),
+                       .runs = json_object()};
+    status = open_store(made, mode, error);
     if (status == PL_OK && mode == PL_STORE_NEW) {
         status = check_others(directory, others, error);
         if (status != PL_OK) {
-            pl_store_remove(*store, false);
-            pl_store_close(*store);
-            *store = NULL;
+            pl_store_remove(made, false);
         }
     }
-    free(path);
-    return status;
+    if (status != PL_OK) {
+        pl_store_close(made);
+        return status;
+    }
+    *store = made;
+    return PL_OK;
 }
 
 pl_store_mode pl_store_mode_of(bool resume, bool force)

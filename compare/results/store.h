@@ -55,11 +55,6 @@ typedef struct pl_store pl_store;
 pl_status pl_store_open(const char *directory, pl_store_mode mode, const char *const *others,
                         pl_store **store, pl_error *error);
 
-/* The same for a file of lines of another schema, in a directory that exists. `remedy` ends the
- * message that refuses it. */
-pl_status pl_store_open_file(const char *path, const char *schema, pl_store_mode mode,
-                             const char *remedy, pl_store **store, pl_error *error);
-
 /* The file is complete: one that it replaces is removed. */
 void pl_store_finish(pl_store *store);
 

@@ -5,8 +5,7 @@
 #include "isolated_run.h"
 #include "progress.h"
 #include "recording.h"
-#include "results/run_verdict.h"
-#include "schedule.h"
+#include "results/result.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -17,6 +16,36 @@
 #include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
+
+/* ---- The schedule ---- */
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+bool pl_schedule_has_room(const pl_schedule *s, int threads)
+{
+    return s->runs < s->jobs && least(threads, s->cpus) <= s->cpus - s->busy_cpus;
+}
+
+int pl_schedule_begin(pl_schedule *s, int threads)
+{
+    const int needed = least(threads, s->cpus);
+    const int share = least(s->cpus / s->jobs, s->cpus - s->busy_cpus);
+    const int taken = share > needed ? share : needed;
+    s->runs += 1;
+    s->busy_cpus += taken;
+    return taken;
+}
+
+void pl_schedule_end(pl_schedule *s, int cpus)
+{
+    s->runs -= 1;
+    s->busy_cpus -= cpus;
+}
+
+/* ---- Runs ---- */
 
 /* A running job. */
 typedef struct slot {
@@ -422,35 +451,4 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
     free(e.polls);
     free(e.due);
     return status;
-}
-
-static pl_status take_result(void *user, json_t *result, pl_error *error)
-{
-    (void)error;
-    *(json_t **)user = json_incref(result);
-    return PL_OK;
-}
-
-pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
-                         const pl_configuration *configuration, json_t **result, int *signal_number,
-                         pl_error *error)
-{
-    pl_case only_case = *test_case;
-    pl_configuration only_configuration = *configuration;
-    const pl_plan plan = {.cases = &only_case,
-                          .case_count = 1,
-                          .configurations = &only_configuration,
-                          .configuration_count = 1,
-                          .repeats = 1,
-                          .seed = def->plan->seed};
-    const pl_execution_def one = {.plan = &plan,
-                                  .jobs = 1,
-                                  .limits = def->limits,
-                                  .provenance = def->provenance,
-                                  .store = def->store,
-                                  .bar = def->bar,
-                                  .user = result,
-                                  .take = take_result};
-    *result = NULL;
-    return pl_execute(&one, signal_number, error);
 }

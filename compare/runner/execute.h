@@ -12,7 +12,7 @@
 /* What to execute, and how. */
 typedef struct pl_execution_def {
     const pl_plan *plan;
-    int jobs; /* most runs at a time, >= 1, see schedule.h; times are reliable only with 1 on a quiet machine */
+    int jobs; /* most runs at a time, >= 1; times are reliable only with 1 on a quiet machine */
     pl_limits limits;
     const pl_capture *capture; /* of a plan with one run; NULL: none */
     bool needs_positions;   /* a result of the store counts only with the file of its positions */
@@ -50,11 +50,25 @@ long pl_execution_due(const pl_execution_def *def);
  * PL_IO: a run could not be made. */
 pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *error);
 
-/* Makes the first run of a case on a configuration, with the seed of def->plan and the limits,
- * provenance, store and bar of `def`; its other fields are not used. *result is a new
- * reference; NULL at a signal. */
-pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
-                         const pl_configuration *configuration, json_t **result, int *signal_number,
-                         pl_error *error);
+/* ---- Which runs are made at the same time: at most as many as there are jobs, and no more threads than the process
+ * has CPUs, so that no run takes time from another one's step ---- */
+
+/* The runs in progress and their CPUs. Starts with the first two set and the others 0. */
+typedef struct pl_schedule {
+    int jobs; /* runs at a time, >= 1 */
+    int cpus; /* >= 1 */
+    int runs, busy_cpus;
+} pl_schedule;
+
+/* Whether a run whose engine has `threads` threads may begin. A run that wants more than there are
+ * gets all CPUs, and runs alone. */
+bool pl_schedule_has_room(const pl_schedule *schedule, int threads);
+
+/* Begins a run for which there is room. Returns the CPUs that it may use from now on: as many as its
+ * engine has threads, and at least its share of all, cpus / jobs, as far as that is free. */
+int pl_schedule_begin(pl_schedule *schedule, int threads);
+
+/* Ends a run that began with so many CPUs. */
+void pl_schedule_end(pl_schedule *schedule, int cpus);
 
 #endif

@@ -2,7 +2,7 @@
 
 #include "adapters/process/channel.h"
 #include "base/json_field.h"
-#include "results/run_verdict.h"
+#include "results/result.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -69,8 +69,7 @@ static json_t *read_answer(const pl_process *process)
     return outcome;
 }
 
-/* In the child: what kept the run from being made is the answer {"error": message}. Memory that ran
- * out after the engine was called is the engine's failure. */
+/* In the child: what kept the run from being made is the answer {"error": message}. */
 static void run_and_answer(void *user, FILE *answer)
 {
     pl_run_def def = *(const pl_run_def *)user;
@@ -80,16 +79,7 @@ static void run_and_answer(void *user, FILE *answer)
     if (status == PL_OK) {
         return;
     }
-    const bool was_called = atomic_load(&def.watch->stage) != PL_STAGE_PREPARE;
     atomic_store(&def.watch->stage, PL_STAGE_REPORT);
-    if (status == PL_NO_MEMORY && was_called) {
-        pl_run_result fallen = {.outcome = PL_OUTCOME_CRASHED,
-                                .steps_asked = pl_scene_steps(def.scene),
-                                .steps_done = atomic_load(&def.watch->steps_done)};
-        memcpy(fallen.reason, error.message, sizeof fallen.reason);
-        (void)answer_result(&fallen, answer, &error);
-        return;
-    }
     json_t *object = json_pack("{s:o}", "error", pl_json_text(error.message));
     json_dumpf(object, answer, JSON_COMPACT);
     json_decref(object);
@@ -99,12 +89,7 @@ pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, jso
                                 const pl_limits *limits, pl_error *error)
 {
     *run = (pl_isolated_run){.limits = *limits, .def = *def};
-    void *shared =
-        mmap(NULL, sizeof *def->watch, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (shared == MAP_FAILED) {
-        return pl_fail(error, PL_IO, "cannot map memory for a run: %s", strerror(errno));
-    }
-    run->def.watch = shared;
+    run->def.watch = pl_shared_new(sizeof *run->def.watch);
     run->def.cpu_limit = limits->cpu_time;
     run->def.memory_limit = limits->memory;
     pl_timestamp(run->started);
@@ -127,43 +112,30 @@ static void free_run(pl_isolated_run *run)
 
 static void describe_place(const pl_isolated_run *run, char *text, size_t size)
 {
-    long done = atomic_load(&run->def.watch->steps_done);
-    long asked = pl_scene_steps(run->def.scene);
-    snprintf(text, size, "at an unknown place");
-    switch ((pl_stage)atomic_load(&run->def.watch->stage)) {
-    case PL_STAGE_PREPARE:
-        snprintf(text, size, "before the engine was called");
-        break;
-    case PL_STAGE_LOAD:
-        snprintf(text, size, "while it was loaded");
-        break;
-    case PL_STAGE_CREATE:
-        snprintf(text, size, "in create");
-        break;
-    case PL_STAGE_SETTINGS:
-        snprintf(text, size, "while its settings were read back");
-        break;
-    case PL_STAGE_CAPTURE:
-        snprintf(text, size, "while the contact problems of step %ld were captured", done + 1);
-        break;
-    case PL_STAGE_STEP:
-        snprintf(text, size, "in step %ld of %ld", done + 1, asked);
-        break;
-    case PL_STAGE_READ:
-        snprintf(text, size, "while its state was read, %ld of %ld steps done", done, asked);
-        break;
-    case PL_STAGE_JUDGE:
-        snprintf(text, size, "while its state was judged, %ld of %ld steps done", done, asked);
-        break;
-    case PL_STAGE_DESTROY:
-        snprintf(text, size, "in destroy, %ld of %ld steps done", done, asked);
-        break;
-    case PL_STAGE_UNLOAD:
-        snprintf(text, size, "while it was unloaded, %ld of %ld steps done", done, asked);
-        break;
-    case PL_STAGE_REPORT:
-        snprintf(text, size, "after it was unloaded, %ld of %ld steps done", done, asked);
-        break;
+    static const char *const places[] = {[PL_STAGE_PREPARE] = "before the engine was called",
+                                         [PL_STAGE_LOAD] = "while it was loaded",
+                                         [PL_STAGE_CREATE] = "in create",
+                                         [PL_STAGE_SETTINGS] = "while its settings were read back",
+                                         [PL_STAGE_CAPTURE] = "while the contact problems of step ",
+                                         [PL_STAGE_STEP] = "in step ",
+                                         [PL_STAGE_READ] = "while its state was read",
+                                         [PL_STAGE_JUDGE] = "while its state was judged",
+                                         [PL_STAGE_DESTROY] = "in destroy",
+                                         [PL_STAGE_UNLOAD] = "while it was unloaded",
+                                         [PL_STAGE_REPORT] = "after it was unloaded"};
+    const int stage = atomic_load(&run->def.watch->stage);
+    const long done = atomic_load(&run->def.watch->steps_done);
+    const long asked = pl_scene_steps(run->def.scene);
+    if (stage < 0 || stage > PL_STAGE_REPORT) {
+        snprintf(text, size, "at an unknown place");
+    } else if (stage == PL_STAGE_CAPTURE) {
+        snprintf(text, size, "%s%ld were captured", places[stage], done + 1);
+    } else if (stage == PL_STAGE_STEP) {
+        snprintf(text, size, "%s%ld of %ld", places[stage], done + 1, asked);
+    } else if (stage > PL_STAGE_STEP) {
+        snprintf(text, size, "%s, %ld of %ld steps done", places[stage], done, asked);
+    } else {
+        snprintf(text, size, "%s", places[stage]);
     }
 }
 

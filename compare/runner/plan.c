@@ -1,5 +1,6 @@
 #include "plan.h"
 
+#include "base/hash.h"
 #include "base/heap.h"
 #include "plumb/jitter.h"
 
@@ -232,79 +233,155 @@ void pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration)
     pl_push(&plan->pairings, &plan->pairing_count, &added, sizeof added);
 }
 
-/* How many of the pairings each further repeat has. */
-static int repeated(const pl_plan *plan)
+/* The number of runs of the first repeat. */
+static long first_runs(const pl_plan *plan)
 {
-    return plan->repeated_count > 0 ? plan->repeated_count : plan->pairing_count;
+    return plan->pairings != NULL ? plan->pairing_count
+                                  : (long)plan->case_count * plan->configuration_count;
+}
+
+/* How many of them each further repeat has. */
+static long repeated(const pl_plan *plan)
+{
+    return plan->repeated_count > 0 ? plan->repeated_count : first_runs(plan);
 }
 
 long pl_plan_size(const pl_plan *plan)
 {
-    if (plan->pairings != NULL) {
-        return plan->pairing_count + (plan->repeats - 1L) * repeated(plan);
-    }
-    return (long)plan->repeats * plan->case_count * plan->configuration_count;
+    return first_runs(plan) + (plan->repeats - 1L) * repeated(plan);
+}
+
+static pl_pairing pairing_at(const pl_plan *plan, long place)
+{
+    const int engines = plan->configuration_count;
+    return plan->pairings != NULL ? plan->pairings[place]
+                                  : (pl_pairing){(int)(place / engines), (int)(place % engines)};
 }
 
 /* The pairing at `place` in a repeat: neighbours with the same case take turns. */
-static const pl_pairing *turn(const pl_plan *plan, long place, long repeat)
+static pl_pairing turn(const pl_plan *plan, long place, long repeat)
 {
-    const int test_case = plan->pairings[place].test_case;
+    const int test_case = pairing_at(plan, place).test_case;
     long first = place, end = place + 1;
-    while (first > 0 && plan->pairings[first - 1].test_case == test_case) {
+    while (first > 0 && pairing_at(plan, first - 1).test_case == test_case) {
         --first;
     }
-    while (end < plan->pairing_count && plan->pairings[end].test_case == test_case) {
+    while (end < first_runs(plan) && pairing_at(plan, end).test_case == test_case) {
         ++end;
     }
-    return &plan->pairings[first + (place - first + repeat) % (end - first)];
+    return pairing_at(plan, first + (place - first + repeat) % (end - first));
 }
 
 pl_planned_run pl_plan_run(const pl_plan *plan, long index)
 {
-    if (plan->pairings != NULL) {
-        const bool again = index >= plan->pairing_count;
-        const long further = again ? index - plan->pairing_count : index;
-        const long repeat = again ? 1 + further / repeated(plan) : 0;
-        const pl_pairing *pairing = turn(plan, again ? further % repeated(plan) : further, repeat);
-        return (pl_planned_run){.test_case = &plan->cases[pairing->test_case],
-                                .configuration = &plan->configurations[pairing->configuration],
-                                .repeat = (int)repeat};
-    }
-    long engines = plan->configuration_count;
-    long position = index % engines;
-    long test_case = index / engines % plan->case_count;
-    long repeat = index / engines / plan->case_count;
-    return (pl_planned_run){.test_case = &plan->cases[test_case],
-                            .configuration = &plan->configurations[(position + repeat) % engines],
+    const long further = index - first_runs(plan);
+    const long repeat = further < 0 ? 0 : 1 + further / repeated(plan);
+    const pl_pairing pairing = turn(plan, further < 0 ? index : further % repeated(plan), repeat);
+    return (pl_planned_run){.test_case = &plan->cases[pairing.test_case],
+                            .configuration = &plan->configurations[pairing.configuration],
                             .repeat = (int)repeat};
+}
+
+/* An integral parameter is written as an integer. */
+static void set_number(json_t *object, const char *name, double value, bool integer)
+{
+    json_object_set_new(object, name,
+                        integer ? json_integer((json_int_t)value) : pl_json_number_or_null(value));
+}
+
+/* The time step and the duration of a scene file are no parameters, unless they were given. */
+static json_t *params_json(const pl_case *test_case)
+{
+    json_t *params = json_object();
+    for (int i = 0; i < test_case->descriptor->param_count; ++i) {
+        const pl_param *param = &test_case->descriptor->params[i];
+        if (!isnan(test_case->params[i])) {
+            set_number(params, param->name, test_case->params[i], param->integer);
+        }
+    }
+    return params;
+}
+
+static json_t *settings_json(const pl_scene *scene, const pl_engine_choice *choice)
+{
+    json_t *settings = json_object();
+    set_number(settings, "dt", scene->dt, false);
+    set_number(settings, "duration", scene->duration, false);
+    for (int i = 0; i < choice->engine->option_count; ++i) {
+        const pl_engine_option *option = &choice->engine->options[i];
+        set_number(settings, option->name, choice->values[i], option->integer);
+    }
+    return settings;
+}
+
+/* The SPEC of the engine and its profile: what plumb check-engine takes. */
+static json_t *spec_json(const pl_engine_info *engine, const char *profile)
+{
+    char *spec = pl_heap_format("%s:%s", engine->spec, profile);
+    json_t *text = pl_json_text(spec);
+    free(spec);
+    return text;
+}
+
+/* The engine's first profile with its default options. */
+static bool is_as_shipped(const pl_engine_choice *choice)
+{
+    bool equal = choice->profile == 0;
+    for (int i = 0; i < choice->engine->option_count && equal; ++i) {
+        equal = choice->values[i] == pl_engine_profile_values(choice->engine, 0)[i];
+    }
+    return equal;
+}
+
+/* Sets `run`, the hash of the keys so far: FNV-1a over their canonical JSON. */
+static void set_hash(json_t *identity)
+{
+    char *text = pl_result_to_line(identity), hash[PL_HASH_TEXT_SIZE];
+    pl_hash_hex(pl_hash_text(PL_HASH_START, text), hash);
+    free(text);
+    json_object_set_new(identity, "run", json_string(hash));
 }
 
 json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run)
 {
     const pl_case *test_case = run->test_case;
     const pl_engine_choice *choice = &run->configuration->choice;
-    pl_run_view view = {.scenario = test_case->name,
-                        .descriptor = test_case->descriptor,
-                        .params = test_case->params,
-                        .scene_hash = test_case->scene_hash,
-                        .primary_error = test_case->scene.primary_error,
-                        .acceptance = test_case->scene.acceptance,
-                        .dt = test_case->scene.dt,
-                        .duration = test_case->scene.duration,
-                        .engine = choice->engine,
-                        .profile = choice->profile,
-                        .options = choice->values,
-                        .label = run->configuration->label,
-                        .label_is_given = choice->label[0] != '\0',
-                        .seed = plan->seed,
-                        .is_member = test_case->variation.is_member,
-                        .member = test_case->variation.member,
-                        .change = test_case->variation.change,
-                        .conformance = run->configuration->conformance,
-                        .study = test_case->study,
-                        .repeat = run->repeat};
-    return pl_run_identity(&view);
+    const pl_engine_info *engine = choice->engine;
+    const char *profile = engine->profiles[choice->profile].name;
+    json_t *label = pl_json_text(run->configuration->label);
+    json_t *identity =
+        json_pack("{s:o, s:o, s:s, s:s, s:s, s:s, s:s, s:o, s:I, s:i}", "scenario",
+                  pl_json_text(test_case->name), "params", params_json(test_case), "scene_hash",
+                  test_case->scene_hash, "engine", engine->name, "engine_version", engine->version,
+                  "engine_binary", engine->binary, "profile", profile, "settings",
+                  settings_json(&test_case->scene, choice), "seed", (json_int_t)plan->seed,
+                  "repeat", run->repeat);
+    if (test_case->variation.is_member) {
+        json_object_set_new(identity, "member", json_integer(test_case->variation.member));
+    }
+    if (test_case->variation.change != NULL) {
+        json_object_set_new(identity, "change", json_string(test_case->variation.change));
+    }
+    if (test_case->study != NULL) {
+        json_object_set(identity, "study", test_case->study);
+    }
+    if (choice->label[0] != '\0') {
+        json_object_set(identity, "label", label);
+    }
+    set_hash(identity);
+    json_object_set_new(identity, "label", label);
+    if (test_case->descriptor->edition[0] != '\0') {
+        json_object_set_new(identity, "scene_edition", json_string(test_case->descriptor->edition));
+    }
+    json_object_update_new(
+        identity,
+        json_pack("{s:s, s:o, s:o, s:s, s:i, s:b, s:O?}", "primary_error",
+                  test_case->scene.primary_error, "acceptance",
+                  pl_json_number_or_null(test_case->scene.acceptance), "engine_spec",
+                  spec_json(engine, profile), "engine_runtime", pl_engine_runtime(engine),
+                  "threads", pl_engine_threads(engine, choice->values), "as_shipped",
+                  (int)is_as_shipped(choice), "conformance", run->configuration->conformance));
+    return identity;
 }
 
 void pl_planned_run_hash(const pl_plan *plan, const pl_planned_run *run, char hash[17])
@@ -326,6 +403,9 @@ void pl_plan_free(pl_plan *plan)
     }
     free(plan->files);
     free(plan->cases);
+    for (int i = 0; plan->configurations != NULL && i < plan->configuration_count; ++i) {
+        json_decref(plan->configurations[i].conformance);
+    }
     free(plan->configurations);
     free(plan->pairings);
     json_decref(plan->known);

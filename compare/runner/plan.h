@@ -6,6 +6,7 @@
 #define PLUMB_PLAN_H
 
 #include "engines/registry.h"
+#include "results/conformance_record.h"
 #include "results/result.h"
 
 /* How a case differs from the one that was asked for; all zero: it does not. */
@@ -35,7 +36,7 @@ typedef struct pl_case {
 typedef struct pl_configuration {
     pl_engine_choice choice;
     char label[PL_LABEL_SIZE];
-    pl_conformance conformance; /* as recorded when the configuration was added */
+    json_t *conformance; /* pl_conformance_find when the configuration was added; the plan's own */
 } pl_configuration;
 
 /* One run of a plan that is not all cases on all engines. */
@@ -102,7 +103,7 @@ int pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, const char
 /* Adds one run. A plan with such pairings has no other runs. */
 void pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration);
 
-/* Builds the scene of a deferred case, which the caller frees. PL_NO_MEMORY. */
+/* Builds the scene of a deferred case, which the caller frees. */
 pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_scene *scene,
                               pl_error *error);
 
@@ -119,7 +120,8 @@ typedef struct pl_planned_run {
 /* The run with that index, 0 to pl_plan_size() - 1. */
 pl_planned_run pl_plan_run(const pl_plan *plan, long index);
 
-/* The identity of the run, as in a result: a new reference. */
+/* The keys of a result from `scenario` to `repeat`, `engine_spec`, `threads`, `as_shipped` and `conformance`, and
+ * `run`: the hash of those that identify the run. A new reference. */
 json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run);
 
 /* The hash by which results know the run: `run` of its identity. */

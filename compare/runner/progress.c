@@ -1,8 +1,8 @@
 #include "progress.h"
 
+#include "base/folding.h"
 #include "base/heap.h"
-#include "base/text_width.h"
-#include "results/run_verdict.h"
+#include "results/result.h"
 
 #include <stdlib.h>
 #include <string.h>

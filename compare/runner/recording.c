@@ -7,7 +7,6 @@
 
 #include "base/heap.h"
 #include "plumb/vec.h"
-#include "recording_file.h"
 
 #include <dirent.h>
 #include <errno.h>

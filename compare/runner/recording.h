@@ -13,6 +13,9 @@
 #include <jansson.h>
 #include <stdio.h>
 
+/* The first eight bytes of a raw file. */
+#define PL_RAW_MAGIC "plumbrec"
+
 /* A raw file that is being written; {0} is one that was never created. */
 typedef struct pl_recorder {
     FILE *file; /* NULL between two records */

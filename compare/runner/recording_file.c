@@ -5,7 +5,6 @@
  * within half of that for every body. Positions are rounded to L / 16000, and orientations so that the
  * farthest point of the largest body moves by less than L / 16000. The numbers are written as
  * differences from frame to frame, as variable-length integers, deflated (RFC 1951). */
-#include "recording_file.h"
 
 #include "base/file_text.h"
 #include "base/heap.h"

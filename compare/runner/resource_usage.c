@@ -1,5 +1,7 @@
 #include "resource_usage.h"
 
+#include "engines/process.h"
+
 #include <linux/perf_event.h>
 #include <malloc.h>
 #include <math.h>
@@ -109,34 +111,20 @@ pl_call_cost pl_call_timer_end(pl_call_timer *timer)
 
 /* ---- Memory ---- */
 
-/* Opens a file of a process in /proc; 0: this process. */
-static FILE *open_proc(pid_t pid, const char *name, const char *mode)
+/* The path of a file of a process in /proc; 0: this process. */
+static void proc_path(pid_t pid, const char *name, char path[64])
 {
-    char path[64];
-    if (pid > 0) {
-        snprintf(path, sizeof path, "/proc/%d/%s", (int)pid, name);
-    } else {
-        snprintf(path, sizeof path, "/proc/self/%s", name);
-    }
-    return fopen(path, mode);
+    const int length = snprintf(path, 64, pid > 0 ? "/proc/%d/" : "/proc/self/", (int)pid);
+    snprintf(path + length, 64 - (size_t)length, "%s", name);
 }
 
-/* A line "NAME:   1234 kB" of a process's status in bytes. `name` ends with the colon. */
+/* A field of a process's status in bytes. */
 static double read_status(pid_t pid, const char *name)
 {
-    char line[256];
-    double bytes = NAN;
-    FILE *file = open_proc(pid, "status", "re");
-    if (file == NULL) {
-        return bytes;
-    }
-    while (fgets(line, sizeof line, file) != NULL) {
-        if (strncmp(line, name, strlen(name)) == 0) {
-            bytes = 1024 * strtod(line + strlen(name), NULL);
-        }
-    }
-    fclose(file);
-    return bytes;
+    char path[64], text[64];
+    proc_path(pid, "status", path);
+    pl_file_field(path, name, text, sizeof text);
+    return text[0] == '\0' ? (double)NAN : 1024 * strtod(text, NULL);
 }
 
 /* Makes the code of every loaded library resident: code pages that are loaded on their first use
@@ -162,7 +150,7 @@ static void load_code(void)
 
 double pl_resident_set(pid_t pid)
 {
-    return read_status(pid, "VmRSS:");
+    return read_status(pid, "VmRSS");
 }
 
 double pl_resident_set_baseline(pid_t pid)
@@ -170,17 +158,16 @@ double pl_resident_set_baseline(pid_t pid)
     load_code();
     /* Freed heap that is still resident would hide what an engine takes. */
     malloc_trim(0);
-    FILE *file = open_proc(pid, "clear_refs", "we");
-    if (file == NULL) {
-        return NAN;
-    }
-    bool reset = fputs("5", file) >= 0;
-    reset = fclose(file) == 0 && reset;
+    char path[64];
+    proc_path(pid, "clear_refs", path);
+    FILE *file = fopen(path, "we");
+    bool reset = file != NULL && fputs("5", file) >= 0;
+    reset = file != NULL && fclose(file) == 0 && reset;
     return reset ? pl_resident_set(pid) : (double)NAN;
 }
 
 double pl_resident_set_growth(pid_t pid, double baseline)
 {
-    double peak = read_status(pid, "VmHWM:");
+    double peak = read_status(pid, "VmHWM");
     return peak < baseline ? 0 : peak - baseline;
 }

@@ -7,12 +7,11 @@
 #include "base/arena.h"
 #include "base/array.h"
 #include "base/heap.h"
+#include "engine_values.h"
 #include "engines/process.h"
-#include "parameter_check.h"
 #include "positions.h"
 #include "recording.h"
 #include "referee/referee.h"
-#include "reported_values.h"
 #include "resource_usage.h"
 #include "second_run.h"
 
@@ -296,12 +295,9 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
         status = pl_check_contacts(r->contacts, count, r->session.loaded.table.contacts,
                                    def->scene->body_count, result->steps_done, &fault);
     }
-    bool has_times = false;
-    if (status == PL_OK) {
-        status = pl_session_read_contact_times(&r->session, count, &r->times, &r->time_capacity,
-                                               &has_times, &fault);
-    }
-    if (status == PL_OK && has_times) {
+    const bool has_times = status == PL_OK && pl_session_read_contact_times(
+                                                  &r->session, count, &r->times, &r->time_capacity);
+    if (has_times) {
         status =
             pl_check_contact_times(r->times, count, def->scene->dt, result->steps_done, &fault);
     }

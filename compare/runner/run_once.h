@@ -48,7 +48,7 @@ typedef struct pl_run_def {
 
 /* Runs, and hands the result to `report`, whose result is returned. The result's arrays live
  * until `report` returns; the engine's instance is already destroyed. Any outcome is PL_OK;
- * PL_NO_MEMORY and PL_IO (the trajectory) mean that the run could not be made. */
+ * another status, such as PL_IO (the trajectory), means that the run could not be made. */
 pl_status pl_run_once(const pl_run_def *def,
                       pl_status (*report)(const pl_run_result *result, void *user, pl_error *error),
                       void *user, pl_error *error);

@@ -193,6 +193,14 @@ void pl_session_read_frame(pl_session *session, pl_frame *frame)
     frame->bodies = bodies;
 }
 
+/* Room for `wanted` items; memory that ends ends the engine's process, as what the engine took. */
+static void reserve(void *items, int *capacity, int wanted, size_t size)
+{
+    if (wanted > *capacity && pl_array_reserve(items, capacity, wanted, size, NULL) != PL_OK) {
+        pl_out_of_memory();
+    }
+}
+
 /* What the engine does not report has a defined value. */
 static void clear_unreported(uint32_t reported, pl_contact *contacts, int count)
 {
@@ -231,10 +239,7 @@ pl_status pl_session_read_contacts(pl_session *session, pl_contact **contacts, i
         if (*count > MOST_CONTACTS || attempt > 0) {
             break;
         }
-        pl_status status = pl_array_reserve(contacts, capacity, *count, sizeof **contacts, error);
-        if (status != PL_OK) {
-            return status;
-        }
+        reserve(contacts, capacity, *count, sizeof **contacts);
     }
     return pl_fail(error, PL_FAILED, "read_contacts returned %d for a capacity of %d", *count,
                    *capacity);
@@ -245,30 +250,23 @@ static const pl_contact_times *contact_times_of(const pl_engine *engine)
     return engine->extension != NULL ? engine->extension(PL_CONTACT_TIMES) : NULL;
 }
 
-pl_status pl_session_read_contact_times(pl_session *session, int count, pl_contact_time **times,
-                                        int *capacity, bool *known, pl_error *error)
+bool pl_session_read_contact_times(pl_session *session, int count, pl_contact_time **times,
+                                   int *capacity)
 {
-    *known = false;
     if (count <= 0) {
-        return PL_OK;
+        return false;
     }
     before_call(session, PL_STAGE_READ);
     const pl_contact_times *table = contact_times_of(&session->loaded.table);
     after_call(session, PL_CALLS_READ);
     if (table == NULL) {
-        return PL_OK;
+        return false;
     }
-    if (count > *capacity) {
-        pl_status status = pl_array_reserve(times, capacity, count, sizeof **times, error);
-        if (status != PL_OK) {
-            return status;
-        }
-    }
+    reserve(times, capacity, count, sizeof **times);
     before_call(session, PL_STAGE_READ);
     table->read(session->instance, *times, count);
     after_call(session, PL_CALLS_READ);
-    *known = true;
-    return PL_OK;
+    return true;
 }
 
 void pl_session_read_settings(pl_session *session, pl_engine_settings *settings)

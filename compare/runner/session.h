@@ -5,7 +5,6 @@
 #define PLUMB_SESSION_H
 
 #include "adapters/process/adapter_process.h"
-#include "engines/float_environment.h"
 #include "engines/load_engine.h"
 #include "engines/registry.h"
 #include "plumb/contact_times.h"
@@ -71,7 +70,7 @@ pl_session pl_session_begin(const pl_engine_choice *choice);
 pl_status pl_session_load(pl_session *session, pl_error *error);
 
 /* Creates the scene, which must outlive the instance, after pl_needs_check. The engine's own
- * status; PL_NO_MEMORY. */
+ * status. */
 pl_status pl_session_create(pl_session *session, const pl_scene *scene, pl_error *error);
 
 /* One step of the scene's dt. *stats is set to "unknown" before the call, and *cost (NULL allowed)
@@ -83,15 +82,14 @@ pl_status pl_session_step(pl_session *session, pl_step_stats *stats, pl_call_cos
 void pl_session_read_frame(pl_session *session, pl_frame *frame);
 
 /* The contacts of the last step: *contacts, an array of *capacity that may grow, and their number
- * in *count; -1 when the engine does not report contacts. PL_FAILED: a number that cannot be.
- * PL_NO_MEMORY. */
+ * in *count; -1 when the engine does not report contacts. PL_FAILED: a number that cannot be. */
 pl_status pl_session_read_contacts(pl_session *session, pl_contact **contacts, int *capacity,
                                    int *count, pl_error *error);
 
 /* When the contacts of the last pl_session_read_contacts acted: *times, an array of *capacity that
- * may grow. *known is false when the engine does not say, or there are none. PL_NO_MEMORY. */
-pl_status pl_session_read_contact_times(pl_session *session, int count, pl_contact_time **times,
-                                        int *capacity, bool *known, pl_error *error);
+ * may grow. False when the engine does not say, or there are none. */
+bool pl_session_read_contact_times(pl_session *session, int count, pl_contact_time **times,
+                                   int *capacity);
 
 /* What the engine reads back; `settings` has its arrays and body_count, and is prepared here. */
 void pl_session_read_settings(pl_session *session, pl_engine_settings *settings);

@@ -145,15 +145,6 @@ const char *pl_number_text(double value, char text[PL_NUMBER_SIZE])
     return with_point(text);
 }
 
-const char *pl_number_digits(double value, char text[PL_NUMBER_SIZE])
-{
-    if (is_plain(value)) {
-        return decimal_text(value, 17, text);
-    }
-    snprintf(text, PL_NUMBER_SIZE, "%.17g", value);
-    return with_point(text);
-}
-
 /* ---- Text to numbers ---- */
 
 bool pl_decimal(const char *text, size_t length, double *value)

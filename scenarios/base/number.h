@@ -12,9 +12,6 @@ enum { PL_NUMBER_SIZE = 32 };
  * "-inf" for the rest. Returns `text`. */
 const char *pl_number_text(double value, char text[PL_NUMBER_SIZE]);
 
-/* The finite number with up to 17 digits, as printf's %.17g has it. Returns `text`. */
-const char *pl_number_digits(double value, char text[PL_NUMBER_SIZE]);
-
 /* Reads all of text[0 .. length) as a decimal number such as -12.5e-3, rounded to the nearest
  * double. False for anything else, and for a number too large for a finite double. */
 bool pl_decimal(const char *text, size_t length, double *value);

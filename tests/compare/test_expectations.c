@@ -1,7 +1,7 @@
 /* Everything that a scene states is judged: one deviation, of any kind, makes the run inaccurate and is
  * named. */
 #include "check.h"
-#include "results/run_verdict.h"
+#include "results/result.h"
 #include "synthetic_run.h"
 
 #include <math.h>

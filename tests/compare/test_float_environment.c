@@ -1,6 +1,6 @@
 /* The floating-point environment around an engine's code is restored, and what it changed is known. */
 #include "check.h"
-#include "engines/float_environment.h"
+#include "engines/load_engine.h"
 
 #ifdef __SSE__
 #include <xmmintrin.h>

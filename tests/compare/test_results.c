@@ -4,6 +4,7 @@
 #include "plumb_process.h"
 #include "results/result.h"
 #include "results/store.h"
+#include "runner/plan.h"
 
 #include <fcntl.h>
 #include <math.h>
@@ -22,8 +23,6 @@ static const pl_engine_profile profiles[] = {{.name = "fast"}, {.name = "exact"}
 static const pl_engine_option options[] = {
     {.name = "iterations", .value = 10, .min = 1, .max = 100, .integer = true},
     {.name = "erp", .value = 0.2, .max = 1}};
-static const double option_values[] = {10, 0.2};
-static const double other_options[] = {10, 0.3};
 static const double defaults[] = {10, 0.2, 10, 0.2}; /* of both profiles */
 static const pl_engine_info engine = {.name = "some",
                                       .version = "1.2",
@@ -32,30 +31,38 @@ static const pl_engine_info engine = {.name = "some",
                                       .options = options,
                                       .option_count = 2,
                                       .defaults = defaults};
-static const double param_values[] = {25, 0.01};
-static const double other_params[] = {26, 0.01};
+/* A run with what its pointers point to. */
+typedef struct some_run {
+    pl_plan plan;
+    pl_case test_case;
+    pl_configuration configuration;
+    int repeat;
+} some_run;
 
-static pl_run_view some_run(void)
+static some_run make_run(void)
 {
-    return (pl_run_view){.scenario = "tower",
-                         .descriptor = &scenario,
-                         .params = param_values,
-                         .scene_hash = "0123456789abcdef",
-                         .primary_error = "drift",
-                         .dt = 0.01,
-                         .duration = 5,
-                         .engine = &engine,
-                         .profile = 0,
-                         .options = option_values,
-                         .label = "some:fast",
-                         .seed = 7,
-                         .repeat = 0};
+    static char name[] = "tower";
+    return (some_run){.plan = {.seed = 7},
+                      .test_case = {.name = name,
+                                    .descriptor = &scenario,
+                                    .params = {25, 0.01},
+                                    .scene = {.dt = 0.01, .duration = 5, .primary_error = "drift"},
+                                    .scene_hash = "0123456789abcdef"},
+                      .configuration = {.choice = {.engine = &engine, .values = {10, 0.2}},
+                                        .label = "some:fast"}};
 }
 
-static void hash_of(const pl_run_view *run, char hash[17])
+static json_t *identity_of(const some_run *run)
 {
-    json_t *identity = pl_run_identity(run);
+    const pl_planned_run planned = {&run->test_case, &run->configuration, run->repeat};
+    json_t *identity = pl_planned_run_identity(&run->plan, &planned);
     assert_non_null(identity);
+    return identity;
+}
+
+static void hash_of(const some_run *run, char hash[17])
+{
+    json_t *identity = identity_of(run);
     snprintf(hash, 17, "%s", result_text(identity, "run"));
     assert_int_equal(strlen(hash), 16);
     json_decref(identity);
@@ -64,21 +71,22 @@ static void hash_of(const pl_run_view *run, char hash[17])
 static void test_runs_that_differ_have_different_hashes(void **state)
 {
     (void)state;
-    pl_run_view runs[11];
+    static char other[] = "wall";
+    some_run runs[11];
     char hashes[11][17];
     for (int i = 0; i < 11; ++i) {
-        runs[i] = some_run();
+        runs[i] = make_run();
     }
-    runs[1].scenario = "wall";
-    runs[2].params = other_params;
-    runs[3].scene_hash = "0123456789abcdee";
-    runs[4].profile = 1;
-    runs[5].options = other_options;
-    runs[6].seed = 8;
+    runs[1].test_case.name = other;
+    runs[2].test_case.params[0] = 26;
+    runs[3].test_case.scene_hash[15] = 'e';
+    runs[4].configuration.choice.profile = 1;
+    runs[5].configuration.choice.values[1] = 0.3;
+    runs[6].plan.seed = 8;
     runs[7].repeat = 1;
-    runs[8].dt = 0.02;
-    runs[9].change = "n one larger";
-    runs[10].change = "n one smaller";
+    runs[8].test_case.scene.dt = 0.02;
+    runs[9].test_case.variation.change = "n one larger";
+    runs[10].test_case.variation.change = "n one smaller";
     for (int i = 0; i < 11; ++i) {
         hash_of(&runs[i], hashes[i]);
         for (int k = 0; k < i; ++k) {
@@ -93,8 +101,8 @@ static void test_runs_that_differ_have_different_hashes(void **state)
 static void test_identity_holds_every_parameter_and_option(void **state)
 {
     (void)state;
-    pl_run_view run = some_run();
-    json_t *identity = pl_run_identity(&run);
+    const some_run run = make_run();
+    json_t *identity = identity_of(&run);
     char *line = pl_result_to_line(identity);
     assert_contains(line, "\"params\":{\"dt\":0.01,\"n\":25}");
     assert_contains(line, "\"settings\":{\"dt\":0.01,\"duration\":5.0,\"erp\":0.2");
@@ -108,11 +116,11 @@ static void test_identity_holds_every_parameter_and_option(void **state)
 static void test_shipped_is_the_first_profile_with_defaults(void **state)
 {
     (void)state;
-    pl_run_view runs[] = {some_run(), some_run(), some_run()};
-    runs[1].profile = 1;
-    runs[2].options = other_options;
+    some_run runs[] = {make_run(), make_run(), make_run()};
+    runs[1].configuration.choice.profile = 1;
+    runs[2].configuration.choice.values[1] = 0.3;
     for (int i = 0; i < 3; ++i) {
-        json_t *identity = pl_run_identity(&runs[i]);
+        json_t *identity = identity_of(&runs[i]);
         const json_t *shipped = json_object_get(identity, "as_shipped");
         assert_true(i == 0 ? json_is_true(shipped) : json_is_false(shipped));
         json_decref(identity);

@@ -4,7 +4,7 @@
 #include "engines/process.h"
 #include "plumb_process.h"
 #include "runner/isolated_run.h"
-#include "runner/parameter_check.h"
+#include "runner/engine_values.h"
 #include "runner/plan.h"
 #include "runner/progress.h"
 #include "runner/resource_usage.h"

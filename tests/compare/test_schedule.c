@@ -1,6 +1,6 @@
 /* How many runs, and how many of their threads, there are at the same time. */
 #include "check.h"
-#include "runner/schedule.h"
+#include "runner/execute.h"
 
 static void test_runs_of_one_thread_fill_the_jobs(void **state)
 {

@@ -5,7 +5,7 @@
 #define _GNU_SOURCE
 
 #include "command/capture_file.h"
-#include "engines/tuned_profile.h"
+#include "engines/registry.h"
 #include "fuzz_rows.h"
 #include "problem_file.h"
 

@@ -12,8 +12,24 @@
 #include "results/store.h"
 
 #include <jansson.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 static const char added[] = "{\"schema\":\"plumb.result/1\",\"run\":\"0123456789abcdef\"}";
+
+/* The folder of a store whose file of results is at `path`; there is one for all inputs. */
+static const char *folder_of(const char *path)
+{
+    static char folder[] = "/tmp/plumb_fuzz_XXXXXX";
+    static char link[sizeof folder + 16];
+    if (link[0] == '\0') {
+        fuzz_check(mkdtemp(folder) != NULL, "a folder can be made");
+        snprintf(link, sizeof link, "%s/results.jsonl", folder);
+    }
+    unlink(link);
+    fuzz_check(symlink(path, link) == 0, "a link can be made");
+    return folder;
+}
 
 /* A store keeps the lines that it found, and has one more after it added one. */
 static void resume(const char *path, json_t *results)
@@ -21,8 +37,7 @@ static void resume(const char *path, json_t *results)
     pl_error error = {.message = ""};
     pl_store *store = NULL;
     json_t *again = NULL, *result = json_loads(added, 0, NULL);
-    fuzz_check(pl_store_open_file(path, "plumb.result/1", PL_STORE_RESUME, "", &store, &error) ==
-                   PL_OK,
+    fuzz_check(pl_store_open(folder_of(path), PL_STORE_RESUME, NULL, &store, &error) == PL_OK,
                "a store takes over what can be read");
     fuzz_check(json_equal(pl_store_results(store), results), "a store has what was read");
     fuzz_check(pl_store_append(store, result, &error) == PL_OK, "a store takes a result");

@@ -1,7 +1,6 @@
 /* Text that is folded to a window. */
 #include "base/diagnostic.h"
 #include "base/folding.h"
-#include "base/text_width.h"
 #include "check.h"
 
 #include <fcntl.h>

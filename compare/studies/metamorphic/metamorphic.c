@@ -5,7 +5,7 @@
 #include "base/heap.h"
 #include "divide.h"
 #include "late_start.h"
-#include "results/run_verdict.h"
+#include "results/result.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 
 #include "base/heap.h"
 #include "base/text_buffer.h"
-#include "results/run_verdict.h"
+#include "results/result.h"
 
 #include <math.h>
 #include <stddef.h>
