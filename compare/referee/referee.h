@@ -6,7 +6,6 @@
 #ifndef PLUMB_REFEREE_H
 #define PLUMB_REFEREE_H
 
-#include "base/thread_pool.h"
 #include "plumb/contact_times.h"
 #include "plumb/scene.h"
 #include "referee/metrics/integrator.h"
@@ -15,21 +14,15 @@
 /* A referee of one run. */
 typedef struct pl_referee pl_referee;
 
-/* `scene` must outlive the referee. The caller frees it by pl_referee_destroy. */
-pl_referee *pl_referee_create(const pl_scene *scene);
+/* Up to `threads` threads share the work on a frame, 1 or fewer: one; the results do not depend on them.
+ * `scene` must outlive the referee. The caller frees it by pl_referee_destroy. */
+pl_referee *pl_referee_create(const pl_scene *scene, int threads);
 /* Frees the referee; NULL is allowed. */
 void pl_referee_destroy(pl_referee *referee);
 
-/* Sets what the engine declares, by which its frames are judged; one sub-step and doubles unless
- * this is called, before pl_referee_start. */
-void pl_referee_set_engine(pl_referee *referee, const pl_referee_engine *engine);
-
-/* Sets the threads that share the work on a frame; NULL, as at first: one. The results do not depend
- * on them. `pool` is the caller's. */
-void pl_referee_set_threads(pl_referee *referee, pl_thread_pool *pool);
-
-/* Takes the state before the first step. */
-pl_ending pl_referee_start(pl_referee *referee, const pl_frame *frame);
+/* Takes the state before the first step, and what the engine declares, by which its frames are judged. */
+pl_ending pl_referee_start(pl_referee *referee, const pl_referee_engine *engine,
+                           const pl_frame *frame);
 
 /* What is known of a step. */
 typedef struct pl_step_observation {

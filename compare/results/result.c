@@ -5,7 +5,7 @@
 #include "base/hash.h"
 #include "base/heap.h"
 #include "base/json_write.h"
-#include "base/thread_pool.h"
+#include "base/parallel.h"
 
 #include <limits.h>
 #include <math.h>

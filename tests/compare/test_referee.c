@@ -128,7 +128,7 @@ static void test_run_that_starts_with_nan_has_no_metrics(void **state)
     run_begin(&r);
     r.state[1].position[0] = nan("");
     pl_frame frame = run_frame(&r);
-    assert_int_equal(pl_referee_start(r.referee, &frame), PL_ENDING_NONFINITE);
+    assert_int_equal(pl_referee_start(r.referee, &r.engine, &frame), PL_ENDING_NONFINITE);
     assert_int_equal(run_finish(&r), PL_ENDING_NONFINITE);
     assert_contains(r.error.message, "step 0");
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {

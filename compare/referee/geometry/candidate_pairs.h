@@ -3,7 +3,6 @@
 #define PLUMB_CANDIDATE_PAIRS_H
 
 #include "base/arena.h"
-#include "base/thread_pool.h"
 #include "plumb/engine_abi.h"
 #include "plumb/scene.h"
 
@@ -25,11 +24,14 @@ typedef struct pl_near_pair {
 /* `scene` must outlive it. Memory of the arena. */
 pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *arena);
 
-/* Calls `see` once with each candidate pair of a frame, (scene->body_count): all pairs with gap <=
- * 0, all pairs that meet, and possibly more. The threads of `pool` compute the gaps; NULL: this
- * thread alone. `see` is called in this thread, and in the same order for any number of threads. */
-void pl_candidate_pairs_each(pl_candidate_pairs *pairs, const pl_body_state *bodies,
-                             pl_thread_pool *pool,
+/* Finds the candidate pairs of a frame, (scene->body_count), on up to `threads` threads: all pairs with
+ * gap <= 0, all pairs that meet, and possibly more. `meanwhile` (NULL allowed) is called once, with
+ * `context`, by any of the threads. */
+void pl_candidate_pairs_find(pl_candidate_pairs *pairs, const pl_body_state *bodies, int threads,
+                             void (*meanwhile)(void *context), void *context);
+
+/* Calls `see` once with each pair of the frame, in an order that does not depend on the threads. */
+void pl_candidate_pairs_each(const pl_candidate_pairs *pairs,
                              void (*see)(void *context, const pl_near_pair *pair), void *context);
 
 #endif

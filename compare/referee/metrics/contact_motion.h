@@ -24,7 +24,7 @@ typedef struct pl_contact_motion pl_contact_motion;
 pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *arena);
 
 /* Takes a step whose contacts are reported, and follows its bodies where the contacts have times.
- * The functions below are about that step; several threads may call them. */
+ * The functions below are about that step. */
 void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step);
 
 /* `sum` and the impulses of all contacts on a body that is not static, in their order, N s. */

@@ -1,4 +1,5 @@
-/* Energy and momentum, as the engine's integrator conserves them.
+/* Energy and momentum, as the engine's integrator conserves them: energy_gain, energy_step_gain,
+ * momentum_error and energy_lost.
  *
  * Let x be the centres of mass, E = sum of m v.v/2 + w.Iw/2 - m g.(x - x0), and r arms from x at
  * the start of the step. Substitution gives, exactly and for any h, with I constant over the step:
@@ -41,70 +42,11 @@
  * Source: the substitution of every proof that symplectic Euler conserves a modified energy
  * (Hairer, Lubich and Wanner 2006).
  */
-#include "mechanics.h"
-
+#include "applied_force.h"
+#include "modules.h"
 #include "referee/geometry/solid.h"
 
 #include <string.h>
-
-/* ---- Applied forces ---- */
-
-/* Simpson's rule over a step: the start, the midpoint and the end. */
-enum { NODES = 3 };
-static const double NODE_TIMES[NODES] = {0, 0.5, 1}; /* of the step */
-static const double NODE_WEIGHTS[NODES] = {1.0 / 6, 4.0 / 6, 1.0 / 6};
-
-bool pl_applied_force_acts(const pl_force *force, long step, double dt)
-{
-    /* A tolerance of a millionth of a step allows for rounding of the force's times. */
-    double time = (double)(step - 1) * dt + 1e-6 * dt;
-    return time >= force->from && time < force->until;
-}
-
-/* The body's axes at a node of a step of dt seconds. The orientation at the midpoint is the mean of
- * both ends, turned ahead by h (w - w')/8, as in Hermite's cubic. */
-static pl_axes axes_at(const pl_body_state *before, const pl_body_state *after, double dt, int node)
-{
-    const double *p = before->orientation, *q = after->orientation;
-    if (node != 1) {
-        return pl_axes_of(node == 0 ? p : q);
-    }
-    double same = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3] < 0 ? -1 : 1;
-    double w = p[0] + same * q[0], x = p[1] + same * q[1], y = p[2] + same * q[2],
-           z = p[3] + same * q[3];
-    pl_vec d = pl_vec_scale(
-        pl_vec_sub(pl_vec_of(before->angular_velocity), pl_vec_of(after->angular_velocity)),
-        dt / 16);
-    double mixed[4] = {w - d.x * x - d.y * y - d.z * z, x + d.x * w + d.y * z - d.z * y,
-                       y + d.y * w + d.z * x - d.x * z, z + d.z * w + d.x * y - d.y * x};
-    double length =
-        sqrt(mixed[0] * mixed[0] + mixed[1] * mixed[1] + mixed[2] * mixed[2] + mixed[3] * mixed[3]);
-    for (int k = 0; k < 4; ++k) {
-        mixed[k] /= length;
-    }
-    return pl_axes_of(mixed);
-}
-
-pl_vec pl_applied_force_impulse(const pl_force *force, pl_position_rule integrator,
-                                const pl_body_state *before, const pl_body_state *after, double dt)
-{
-    pl_vec impulse = pl_vec_scale(pl_vec_of(force->force), dt);
-    if (force->frame != PL_FRAME_BODY) {
-        return impulse;
-    }
-    if (integrator == PL_SEMI_IMPLICIT) {
-        pl_axes axes = axes_at(before, after, dt, 0);
-        return pl_to_world(&axes, impulse);
-    }
-    pl_vec sum = {0, 0, 0};
-    for (int i = 0; i < NODES; ++i) {
-        pl_axes axes = axes_at(before, after, dt, i);
-        sum = pl_vec_mad(sum, NODE_WEIGHTS[i], pl_to_world(&axes, impulse));
-    }
-    return sum;
-}
-
-/* ---- Energy and momentum ---- */
 
 /* Of all dynamic bodies. */
 typedef struct totals {
@@ -136,20 +78,6 @@ typedef struct arm_shift {
     double share[PL_POSITION_RULE_COUNT];
 } arm_shift;
 
-/* An impulse of gravity or of a contact, and what it adds to the sums of all bodies. Such parts are
- * found by several threads, and then added in the order of bodies and contacts. */
-typedef struct part {
-    bool is_none;     /* nothing is to be added */
-    bool is_external; /* otherwise only its rounding counts */
-    bool is_contact;  /* with a static body */
-    pl_vec impulse, torque;
-    pl_vec moment[PL_POSITION_RULE_COUNT]; /* of the impulse, about the origin */
-    rounding blur;
-} part;
-
-/* Parts that are found together. */
-enum { PIECE = 512, MOST_TOGETHER = 64 * PIECE };
-
 struct pl_mechanics {
     const pl_scene *scene;
     pl_vec *origin;                         /* (body_count): centres of mass at the start */
@@ -162,10 +90,8 @@ struct pl_mechanics {
     external given;
     rounding blur;
     pl_integrator_votes votes;
-    bool has_contact; /* with a static body, in some step */
-    arm_shift *arms;  /* (body_count): of dynamic bodies, in the step */
-    part *parts;      /* (part_capacity) */
-    int part_capacity;
+    bool has_contact;         /* with a static body, in some step */
+    arm_shift *arms;          /* (body_count): of dynamic bodies, in the step */
     impulse_sums of_contacts; /* of the last step */
 };
 
@@ -179,8 +105,6 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
     m->has_own_time = pl_arena_take(arena, count, sizeof *m->has_own_time);
     m->mean_shift = pl_arena_take(arena, count, sizeof *m->mean_shift);
     m->arms = pl_arena_take(arena, count, sizeof *m->arms);
-    m->part_capacity = 4 * count < MOST_TOGETHER ? 4 * (int)count : MOST_TOGETHER;
-    m->parts = pl_arena_take(arena, (size_t)m->part_capacity, sizeof *m->parts);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         m->energy[k] = pl_arena_take(arena, count, sizeof *m->energy[k]);
         m->growth[k] = pl_arena_take(arena, count, sizeof *m->growth[k]);
@@ -308,33 +232,16 @@ static arm_shift arm_shift_of(const pl_mechanics *m, int body, const pl_step *st
     return arm;
 }
 
-/* Finds the moments of a part's impulse, which acts on a body that is at `point` at the start of the
- * step. */
-static void find_moments(const arm_shift *arm, pl_vec point, part *p)
+/* Adds an impulse of gravity or of a static body. It acts on a body that is at `point` at the start of
+ * the step, whose arm moves by `arm`; NULL: it acted at `point`. */
+static void add_external(impulse_sums *sums, pl_vec point, const arm_shift *arm, pl_vec impulse,
+                         pl_vec torque)
 {
+    sums->momentum = pl_vec_add(sums->momentum, impulse);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        p->moment[k] = pl_vec_cross(pl_vec_mad(point, arm->share[k], arm->moved), p->impulse);
-    }
-}
-
-/* The same of an impulse that acted where it is reported. */
-static void find_moments_there(pl_vec point, part *p)
-{
-    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        p->moment[k] = pl_vec_cross(point, p->impulse);
-    }
-}
-
-static void add_part(impulse_sums *sums, const part *p)
-{
-    sums->has_contact = sums->has_contact || p->is_contact;
-    sums->blur.momentum += p->blur.momentum;
-    sums->blur.angular += p->blur.angular;
-    if (p->is_external) {
-        sums->momentum = pl_vec_add(sums->momentum, p->impulse);
-        for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-            sums->angular[k] = pl_vec_add(pl_vec_add(sums->angular[k], p->moment[k]), p->torque);
-        }
+        const pl_vec at = arm == NULL ? point : pl_vec_mad(point, arm->share[k], arm->moved);
+        sums->angular[k] =
+            pl_vec_add(pl_vec_add(sums->angular[k], pl_vec_cross(at, impulse)), torque);
     }
 }
 
@@ -350,43 +257,6 @@ static void add_sums(pl_mechanics *m, const impulse_sums *sums)
     }
 }
 
-/* Part `i` of those of a kind. */
-typedef part find_part(const pl_mechanics *m, const pl_step *step, int i);
-
-/* Parts at work. */
-typedef struct part_work {
-    const pl_mechanics *mechanics;
-    const pl_step *step;
-    find_part *find;
-    int first; /* number of the part that goes into parts[0] */
-} part_work;
-
-static void find_parts(void *context, int begin, int end)
-{
-    const part_work *w = context;
-    for (int i = begin; i < end; ++i) {
-        w->mechanics->parts[i] = w->find(w->mechanics, w->step, w->first + i);
-    }
-}
-
-/* The sums of the parts of numbers below `count`. */
-static impulse_sums sums_of(pl_mechanics *m, const pl_step *step, int count, find_part *find)
-{
-    part_work w = {m, step, find, 0};
-    impulse_sums sums = {.has_contact = false};
-    for (int left = count; left > 0; left = count - w.first) {
-        const int together = left < m->part_capacity ? left : m->part_capacity;
-        pl_thread_pool_run(step->pool, together, PIECE, find_parts, &w);
-        for (int i = 0; i < together; ++i) {
-            if (!m->parts[i].is_none) {
-                add_part(&sums, &m->parts[i]);
-            }
-        }
-        w.first += together;
-    }
-    return sums;
-}
-
 /* In units of the step: an interval shorter by less is the whole step. */
 static const double WHOLE_STEP = 1e-9;
 
@@ -394,12 +264,7 @@ static const double WHOLE_STEP = 1e-9;
  * start of the step. */
 static bool is_at_own_time(const pl_contact_time *time, double dt)
 {
-    return time != NULL && time->end - time->begin < (1 - WHOLE_STEP) * dt;
-}
-
-static const pl_contact_time *time_of(const pl_step *step, int contact)
-{
-    return step->times != NULL ? &step->times[contact] : NULL;
+    return time->end - time->begin < (1 - WHOLE_STEP) * dt;
 }
 
 /* Adds what an impulse, spread evenly over its interval, adds to the mean of x over the step. */
@@ -434,25 +299,27 @@ static void find_mean_shifts(pl_mechanics *m, const pl_step *step)
     }
 }
 
-/* Finds the shift of the body's arms too, which its contacts use. */
-static part gravity_on(const pl_mechanics *m, const pl_step *step, int i)
+/* Finds the shift of each body's arms too, which its contacts use. */
+static void add_gravity(pl_mechanics *m, const pl_step *step)
 {
-    const pl_body *body = &m->scene->bodies[i];
-    part p = {.is_none = body->is_static, .is_external = true};
-    if (p.is_none) {
-        return p;
+    impulse_sums sums = {.has_contact = false};
+    for (int i = 0; i < m->scene->body_count; ++i) {
+        const pl_body *body = &m->scene->bodies[i];
+        if (body->is_static) {
+            continue;
+        }
+        const pl_vec impulse =
+            pl_vec_scale(pl_vec_of(m->scene->gravity), body->mass * m->scene->dt);
+        pl_vec point = centre_of(m, step->before, i);
+        m->arms[i] = arm_shift_of(m, i, step);
+        if (m->has_own_time[i]) {
+            point = pl_vec_add(point, m->mean_shift[i]);
+        }
+        add_external(&sums, point, m->has_own_time[i] ? NULL : &m->arms[i], impulse,
+                     (pl_vec){0, 0, 0});
+        add_impulse_rounding(m, point, impulse, &sums.blur);
     }
-    p.impulse = pl_vec_scale(pl_vec_of(m->scene->gravity), body->mass * m->scene->dt);
-    pl_vec point = centre_of(m, step->before, i);
-    m->arms[i] = arm_shift_of(m, i, step);
-    if (m->has_own_time[i]) {
-        point = pl_vec_add(point, m->mean_shift[i]);
-        find_moments_there(point, &p);
-    } else {
-        find_moments(&m->arms[i], point, &p);
-    }
-    add_impulse_rounding(m, point, p.impulse, &p.blur);
-    return p;
+    add_sums(m, &sums);
 }
 
 /* Velocity of the point at `arm` at a node of the step. At the midpoint it is chosen so that
@@ -484,14 +351,10 @@ static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *ste
     double dt = m->scene->dt;
     pl_vec centre = centre_of(m, step->before, force->body);
     pl_vec moved = displacement(m, force->body, step);
-    for (int i = 0; i < NODES; ++i) {
-        pl_vec impulse = pl_vec_scale(pl_vec_of(force->force), dt);
-        pl_vec arm = pl_vec_of(force->at);
-        if (force->frame == PL_FRAME_BODY) {
-            pl_axes axes = axes_at(before, after, dt, i);
-            impulse = pl_to_world(&axes, impulse);
-            arm = pl_to_world(&axes, arm);
-        }
+    for (int i = 0; i < PL_NODES; ++i) {
+        const pl_applied_force f = pl_applied_force_at(force, before, after, dt, i);
+        pl_vec impulse = f.impulse;
+        const pl_vec arm = f.arm;
         if (i == 0) {
             pl_vec twice = pl_vec_add(point_velocity(before, after, moved, dt, 0, arm),
                                       point_velocity(before, after, moved, dt, 2, arm));
@@ -500,37 +363,35 @@ static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *ste
             add_impulse_rounding(m, pl_vec_add(mean, arm), impulse, &m->blur);
             add_impulse(m, PL_SEMI_IMPLICIT, pl_vec_add(mean, arm), impulse);
         }
-        impulse = pl_vec_scale(impulse, NODE_WEIGHTS[i]);
+        impulse = pl_vec_scale(impulse, pl_node_weights[i]);
         pl_vec velocity = point_velocity(before, after, moved, dt, i, arm);
         add_work(m, PL_SECOND_ORDER, force->body, pl_vec_dot(impulse, velocity));
-        pl_vec point = pl_vec_add(pl_vec_mad(centre, NODE_TIMES[i], moved), arm);
+        pl_vec point = pl_vec_add(pl_vec_mad(centre, pl_node_times[i], moved), arm);
         add_impulse(m, PL_SECOND_ORDER, point, impulse);
     }
 }
 
 /* Impulses and torques between dynamic bodies cancel; those of static bodies are external. */
-static part impulse_of_contact(const pl_mechanics *m, const pl_step *step, int i)
+static impulse_sums sums_of_contacts(const pl_mechanics *m, const pl_step *step)
 {
-    const pl_contact *contact = &step->contacts[i];
-    const bool a_static = m->scene->bodies[contact->body_a].is_static;
-    const bool b_static = m->scene->bodies[contact->body_b].is_static;
-    const double sign = a_static ? 1 : -1;
-    part p = {.is_external = a_static != b_static, .is_contact = a_static != b_static};
-    const pl_vec point = pl_vec_of(contact->point);
-    p.impulse = pl_vec_scale(pl_vec_of(contact->impulse), sign);
-    p.torque = pl_vec_scale(pl_vec_of(contact->torque), sign);
-    if (p.is_external && is_at_own_time(time_of(step, i), m->scene->dt)) {
-        find_moments_there(point, &p);
-    } else if (p.is_external) {
-        find_moments(&m->arms[a_static ? contact->body_b : contact->body_a], point, &p);
+    impulse_sums sums = {.has_contact = false};
+    for (int i = 0; i < step->contact_count; ++i) {
+        const pl_contact *contact = &step->contacts[i];
+        const bool a_static = m->scene->bodies[contact->body_a].is_static;
+        const bool b_static = m->scene->bodies[contact->body_b].is_static;
+        const double sign = a_static ? 1 : -1;
+        const pl_vec point = pl_vec_of(contact->point);
+        const pl_vec impulse = pl_vec_scale(pl_vec_of(contact->impulse), sign);
+        add_impulse_rounding(m, point, impulse, &sums.blur);
+        if (a_static != b_static) {
+            const bool there = step->times != NULL && is_at_own_time(&step->times[i], m->scene->dt);
+            const arm_shift *arm = &m->arms[a_static ? contact->body_b : contact->body_a];
+            sums.has_contact = true;
+            add_external(&sums, point, there ? NULL : arm, impulse,
+                         pl_vec_scale(pl_vec_of(contact->torque), sign));
+        }
     }
-    add_impulse_rounding(m, point, p.impulse, &p.blur);
-    return p;
-}
-
-void pl_mechanics_set_engine(pl_mechanics *m, const pl_referee_engine *engine)
-{
-    m->votes.engine = *engine;
+    return sums;
 }
 
 void pl_mechanics_start(pl_mechanics *m, const pl_body_state *bodies)
@@ -571,8 +432,7 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
     find_turned(m, step);
     pl_integrator_see(&m->votes, m->scene, step->before, step->after, m->turned);
     find_mean_shifts(m, step);
-    const impulse_sums of_gravity = sums_of(m, step, m->scene->body_count, gravity_on);
-    add_sums(m, &of_gravity);
+    add_gravity(m, step);
     for (int i = 0; i < m->scene->force_count; ++i) {
         const pl_force *force = &m->scene->forces[i];
         if (!m->scene->bodies[force->body].is_static &&
@@ -581,13 +441,13 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
         }
     }
     if (!step->repeats) {
-        m->of_contacts = sums_of(m, step, step->contact_count, impulse_of_contact);
+        m->of_contacts = sums_of_contacts(m, step);
     }
     add_sums(m, &m->of_contacts);
     measure(m, step->after);
 }
 
-const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *m)
+pl_integrator_votes *pl_mechanics_votes(pl_mechanics *m)
 {
     return &m->votes;
 }
@@ -597,16 +457,6 @@ double pl_mechanics_energy_gain(const pl_mechanics *m, const pl_scale *scale,
 {
     return (m->last.energy[integrator] - m->first.energy[integrator] - m->given.work[integrator]) /
            scale->energy;
-}
-
-double pl_mechanics_energy_rounding(const pl_mechanics *m)
-{
-    return m->blur.energy;
-}
-
-const double *pl_mechanics_growth(const pl_mechanics *m, pl_position_rule integrator)
-{
-    return m->growth[integrator];
 }
 
 static double unexplained(pl_vec last, pl_vec first, pl_vec given)
@@ -627,3 +477,40 @@ double pl_mechanics_momentum_error(const pl_mechanics *m, const pl_scale *scale,
         fmax(linear / scale->momentum, knows_arms ? angular / scale->angular_momentum : 0);
     return isnan(linear + angular) ? (double)NAN : fmax(error, 0);
 }
+
+/* ---- The metrics ---- */
+
+static void *create(const pl_run_view *view, pl_arena *arena)
+{
+    (void)arena;
+    view->series[PL_METRIC_ENERGY_GAIN]->applies = true;
+    view->series[PL_METRIC_ENERGY_STEP_GAIN]->applies = true;
+    view->series[PL_METRIC_MOMENTUM_ERROR]->applies = true;
+    return NULL;
+}
+
+/* The engine's integrator is detected only when something has accelerated. So each integrator has its
+ * own series. */
+static void see(void *state, const pl_run_view *view)
+{
+    (void)state;
+    const pl_mechanics *m = view->mechanics;
+    const pl_scale *scale = &view->scale;
+    for (pl_position_rule k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        const double gain = pl_mechanics_energy_gain(m, scale, k) - m->blur.energy / scale->energy;
+        const double error = pl_mechanics_momentum_error(m, scale, k);
+        const double growth = pl_touching_island_max(view->touching, m->growth[k]);
+        pl_see_value_by(view, PL_METRIC_ENERGY_GAIN, k, fmax(pl_or_infinity(gain), 0));
+        pl_see_value_by(view, PL_METRIC_MOMENTUM_ERROR, k, pl_or_infinity(error));
+        pl_see_value_by(view, PL_METRIC_ENERGY_STEP_GAIN, k, fmax(growth / scale->energy, 0));
+    }
+}
+
+static void collect(void *state, const pl_run_view *view, pl_metric *item)
+{
+    (void)state;
+    const double gain = pl_mechanics_energy_gain(view->mechanics, &view->scale, view->integrator);
+    item[PL_METRIC_ENERGY_LOST] = pl_metric_value(-gain * view->scale.energy);
+}
+
+const pl_module pl_mechanics_module = {.create = create, .see = see, .collect = collect};

@@ -6,33 +6,16 @@
 #define PLUMB_MECHANICS_H
 
 #include "base/arena.h"
-#include "base/thread_pool.h"
 #include "integrator.h"
 #include "plumb/contact_times.h"
 #include "plumb/vec.h"
 #include "scale.h"
-
-/* ---- Applied forces ---- */
-
-/* Whether the force acts in step number `step` (from 1) of length dt, s. */
-bool pl_applied_force_acts(const pl_force *force, long step, double dt);
-
-/* The force's impulse on its body over a step of dt seconds, N s, world frame. A force in the
- * body's frame turns within the step of a second-order integrator, and keeps the direction of the
- * start in a step of semi-implicit Euler. */
-pl_vec pl_applied_force_impulse(const pl_force *force, pl_position_rule integrator,
-                                const pl_body_state *before, const pl_body_state *after, double dt);
-
-/* ---- Energy and momentum ---- */
 
 /* The energy and momentum of a run so far. */
 typedef struct pl_mechanics pl_mechanics;
 
 /* `scene` must outlive it. Memory of the arena. */
 pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena);
-
-/* Sets what the engine declares; {0} unless this is called, before pl_mechanics_start. */
-void pl_mechanics_set_engine(pl_mechanics *mechanics, const pl_referee_engine *engine);
 
 /* Takes the state before the first step. */
 void pl_mechanics_start(pl_mechanics *mechanics, const pl_body_state *bodies);
@@ -44,29 +27,20 @@ typedef struct pl_step {
     const pl_contact *contacts;          /* between bodies of the scene */
     const pl_contact_time *times;        /* of the contacts; NULL: all are of the whole step */
     int contact_count;                   /* < 0: the engine reports no contacts */
-    bool repeats;         /* the states, contacts and times are those of the last step */
-    pl_thread_pool *pool; /* NULL: one thread */
+    bool repeats; /* the states, contacts and times are those of the last step */
 } pl_step;
 
 /* Takes a step, whose contacts may be unreported. */
 void pl_mechanics_step(pl_mechanics *mechanics, const pl_step *step);
 
-/* The steps so far by the integrator that they fit. Borrowed. */
-const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *mechanics);
+/* The steps so far by the integrator that they fit. Borrowed. What the engine declares is set there
+ * before pl_mechanics_start. */
+pl_integrator_votes *pl_mechanics_votes(pl_mechanics *mechanics);
 
 /* Of the last state: (E - E0 - work) / scale.energy, where E is the energy that the integrator
  * conserves. */
 double pl_mechanics_energy_gain(const pl_mechanics *mechanics, const pl_scale *scale,
                                 pl_position_rule integrator);
-
-/* How much of the energy that was gained so far the rounding of the declared precision explains, J:
- * 0 for an engine in doubles. */
-double pl_mechanics_energy_rounding(const pl_mechanics *mechanics);
-
-/* By how much each body's E grew in the last step, without the work of the scene's forces on it and
- * without what rounding of the declared precision explains: J, (body_count). Borrowed until the
- * next step. */
-const double *pl_mechanics_growth(const pl_mechanics *mechanics, pl_position_rule integrator);
 
 /* Of the last state: the larger of |p - p0 - J| / scale.momentum and |L - L0 - K| /
  * scale.angular_momentum, where J and K are the impulses of gravity, of the scene's forces and of

@@ -28,7 +28,6 @@
 #include "base/statistics.h"
 #include "modules.h"
 #include "referee/geometry/solid.h"
-#include "series.h"
 
 /* Tolerance of scene checks of unit vectors. */
 static const double PARALLEL = 1e-9;
@@ -68,7 +67,6 @@ typedef struct motion {
     followed *followed; /* (followed_count): travels first */
     int followed_count;
     bool supported; /* any of them has a supporting plane */
-    pl_series lift, deviation;
 
     long hold;        /* steps in 0.5 s */
     long quiet_since; /* first step of the current quiet period; -1 while something moves */
@@ -155,8 +153,9 @@ static void follow_all(motion *m, bool *seen)
     }
 }
 
-static void *create(const pl_scene *scene, pl_arena *arena)
+static void *create(const pl_run_view *view, pl_arena *arena)
 {
+    const pl_scene *scene = view->scene;
     motion *m = pl_arena_take(arena, 1, sizeof *m);
     for (int i = 0; i < scene->body_count; ++i) {
         m->dynamic_count += !scene->bodies[i].is_static;
@@ -172,13 +171,13 @@ static void *create(const pl_scene *scene, pl_arena *arena)
     m->start = pl_arena_take(arena, dynamic, sizeof *m->start);
     m->last = pl_arena_take(arena, dynamic, sizeof *m->last);
     m->run_out = pl_arena_take(arena, dynamic, sizeof *m->run_out);
-    pl_series_init(&m->lift, arena);
-    pl_series_init(&m->deviation, arena);
     /* The small number keeps a whole number of steps from being rounded up. */
     m->hold = (long)ceil(HOLD / scene->dt - 1e-6);
     m->quiet_since = -1;
     m->fixed_step = lround(fmin(1, scene->duration / 2) / scene->dt);
     follow_all(m, seen);
+    view->series[PL_METRIC_LIFT]->applies = m->supported;
+    view->series[PL_METRIC_PATH_DEVIATION]->applies = scene->travel_count > 0;
     return m;
 }
 
@@ -381,9 +380,12 @@ static void see(void *state, const pl_run_view *view)
     double time = (double)step * m->scene->dt;
     if (step == 0) {
         read_centres(m->scene, bodies, m->start);
-    } else {
-        pl_series_add(&m->lift, lift_of(m, bodies), step);
-        pl_series_add(&m->deviation, deviation_of(m, bodies), step);
+    }
+    if (step > 0 && m->supported) {
+        pl_see_value(view, PL_METRIC_LIFT, lift_of(m, bodies));
+    }
+    if (step > 0 && m->scene->travel_count > 0) {
+        pl_see_value(view, PL_METRIC_PATH_DEVIATION, deviation_of(m, bodies));
     }
     if (see_quiet(m, step, bodies)) {
         begin_drift(&m->since_quiet, time, bodies);
@@ -401,16 +403,8 @@ static void collect(void *state, const pl_run_view *view, pl_metric *item)
 {
     motion *m = state;
     item[PL_METRIC_SETTLE_TIME] = settle_metric(m, view->step.number);
-    if (m->supported) {
-        item[PL_METRIC_LIFT] = pl_series_metric(&m->lift, m->lift.max);
-    }
-    if (m->scene->travel_count > 0) {
-        item[PL_METRIC_PATH_DEVIATION] = pl_series_metric(&m->deviation, m->deviation.max);
-    }
     drift_metrics(m, item);
-    if (m->dynamic_count > 0) {
-        spread_metrics(m, view->last, item);
-    }
+    spread_metrics(m, view->last, item);
 }
 
-const pl_module pl_motion_module = {create, see, collect, .needs_no_motion = false};
+const pl_module pl_motion_module = {create, see, collect, .sees_start = true};

@@ -11,11 +11,9 @@
 /* The values that the scene expects, as the frames show them. */
 typedef struct pl_values pl_values;
 
-/* `scene` must outlive it. Memory of the arena. */
-pl_values *pl_values_create(const pl_scene *scene, pl_arena *arena);
-
-/* Sets what the engine declares; {0} unless this is called, before the first state. */
-void pl_values_set_engine(pl_values *values, const pl_referee_engine *engine);
+/* `scene` and `votes`, which have what the engine declares, must outlive it. Memory of the arena. */
+pl_values *pl_values_create(const pl_scene *scene, const pl_integrator_votes *votes,
+                            pl_arena *arena);
 
 /* Takes the state after step number `step`, from 0 (before the first step) on. */
 void pl_values_see(pl_values *values, long step, const pl_body_state *bodies);
@@ -25,14 +23,7 @@ void pl_values_see(pl_values *values, long step, const pl_body_state *bodies);
  * is PL_METRIC_ABSENT if the scene expects nothing of its kind. value_error is PL_METRIC_FAILED if
  * no whole period was seen in less time than two, discrete_error where the answer of the engine's
  * integrator is not known. */
-void pl_reference_metrics(const pl_values *values, const pl_body_state *last,
-                          const pl_integrator_votes *votes, pl_metric *item);
-
-/* How far a number is from what is expected, or beyond it if that is a bound; in its unit. */
-double pl_value_error(const pl_expect_value *expected, double found);
-
-/* The scene that the values are of. */
-const pl_scene *pl_values_scene(const pl_values *values);
+void pl_reference_metrics(const pl_values *values, const pl_body_state *last, pl_metric *item);
 
 /* The value number `index` that the frames show, in its unit. A value that pl_values_lack is 0. NAN: the run
  * is too short to show a period. */

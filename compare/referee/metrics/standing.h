@@ -2,15 +2,8 @@
 #ifndef PLUMB_STANDING_H
 #define PLUMB_STANDING_H
 
-#include "base/arena.h"
 #include "metrics.h"
 #include "referee/geometry/candidate_pairs.h"
-
-/* Memory for the judgement of one scene. */
-typedef struct pl_standing pl_standing;
-
-/* `scene` must outlive it. Memory of the arena. */
-pl_standing *pl_standing_create(const pl_scene *scene, pl_arena *arena);
 
 /* Judges the last frame of a run, `last`, (scene->body_count). `pairs` are those of the scene.
  *
@@ -19,7 +12,7 @@ pl_standing *pl_standing_create(const pl_scene *scene, pl_arena *arena);
  * have moved that far against each other. PL_ENDING_OK otherwise. *note then says how the body
  * that is farthest from its rest has moved, where a user would see it: beyond the scene's acceptance
  * or its collapse_distance; else it is empty. */
-pl_ending pl_standing_judge(pl_standing *standing, pl_candidate_pairs *pairs,
+pl_ending pl_standing_judge(const pl_scene *scene, pl_candidate_pairs *pairs,
                             const pl_body_state *last, pl_note *note, pl_error *error);
 
 #endif

@@ -17,7 +17,6 @@
 #include "modules.h"
 #include "plumb/vec.h"
 #include "referee/geometry/solid.h"
-#include "series.h"
 
 #include <string.h>
 
@@ -29,11 +28,11 @@ typedef struct unexplained {
     double *depth;        /* (body_count): of an island, by its root, m */
     double *energy;       /* (body_count): kinetic, of an island, by its root, at most, J */
     bool rebounds;        /* a pair of materials has restitution */
-    pl_series motion, free_flight;
 } unexplained;
 
-static void *create(const pl_scene *scene, pl_arena *arena)
+static void *create(const pl_run_view *view, pl_arena *arena)
 {
+    const pl_scene *scene = view->scene;
     const size_t count = (size_t)scene->body_count;
     unexplained *m = pl_arena_take(arena, 1, sizeof *m);
     *m = (unexplained){.scene = scene,
@@ -42,8 +41,7 @@ static void *create(const pl_scene *scene, pl_arena *arena)
                        .speed = pl_arena_take(arena, count, sizeof *m->speed),
                        .depth = pl_arena_take(arena, count, sizeof *m->depth),
                        .energy = pl_arena_take(arena, count, sizeof *m->energy)};
-    pl_series_init(&m->motion, arena);
-    pl_series_init(&m->free_flight, arena);
+    view->series[PL_METRIC_UNEXPLAINED_MOTION]->applies = true;
     for (int i = 0; i < scene->material_count; ++i) {
         m->rebounds = m->rebounds || scene->materials[i].restitution > 0;
     }
@@ -93,7 +91,7 @@ static double unexplained_motion(unexplained *m, pl_touching *touching, const pl
             const int root = pl_touching_island(touching, i);
             const double speed = fmax(speed_of(m, i, &before[i]), speed_of(m, i, &after[i]));
             m->speed[root] = fmax(m->speed[root], speed);
-            m->depth[root] += pl_touching_depth(touching, i);
+            m->depth[root] += touching->bodies[i].depth + touching->bodies[i].depth_before;
             m->energy[root] += 0.5 * scene->bodies[i].mass * speed * speed;
         }
     }
@@ -122,7 +120,8 @@ static double free_flight_error(const unexplained *m, const pl_touching *touchin
     double most = (double)NAN;
     for (int i = 0; i < scene->body_count && g > 0; ++i) {
         const bool is_free = !scene->bodies[i].is_static && m->acceleration[i] == g;
-        if (is_free && pl_touching_flew(touching, i)) {
+        const bool flew = !touching->bodies[i].met && !touching->bodies[i].met_before;
+        if (is_free && flew) {
             const pl_vec change =
                 pl_vec_sub(pl_vec_of(after[i].velocity), pl_vec_of(before[i].velocity));
             most = fmax(most, pl_vec_length(pl_vec_mad(change, -h, gravity)) / (h * g));
@@ -134,24 +133,11 @@ static double free_flight_error(const unexplained *m, const pl_touching *touchin
 static void see(void *state, const pl_run_view *view)
 {
     unexplained *m = state;
-    const pl_step *step = &view->step;
-    if (step->number > 0) {
-        pl_series_add(&m->motion, unexplained_motion(m, view->touching, step->before, step->after),
-                      step->number);
-        pl_series_add(&m->free_flight,
-                      free_flight_error(m, view->touching, step->before, step->after),
-                      step->number);
-    }
+    const pl_body_state *before = view->step.before, *after = view->step.after;
+    pl_see_value(view, PL_METRIC_UNEXPLAINED_MOTION,
+                 unexplained_motion(m, view->touching, before, after));
+    pl_see_value(view, PL_METRIC_FREE_FLIGHT_ERROR,
+                 free_flight_error(m, view->touching, before, after));
 }
 
-static void collect(void *state, const pl_run_view *view, pl_metric *item)
-{
-    (void)view;
-    const unexplained *m = state;
-    item[PL_METRIC_UNEXPLAINED_MOTION] = pl_series_metric(&m->motion, m->motion.max);
-    if (m->free_flight.count > 0) {
-        item[PL_METRIC_FREE_FLIGHT_ERROR] = pl_series_metric(&m->free_flight, m->free_flight.max);
-    }
-}
-
-const pl_module pl_unexplained_motion_module = {create, see, collect, .needs_no_motion = false};
+const pl_module pl_unexplained_motion_module = {.create = create, .see = see};
