@@ -45,6 +45,17 @@ static bool is_used(const pl_referee *r, const pl_module *module)
     return r->view.scale.dynamic_count > 0 || module->needs_no_motion;
 }
 
+void pl_make_series(pl_run_view *view, pl_arena *arena)
+{
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+        const int count = series_count(id);
+        view->series[id] = pl_arena_take(arena, (size_t)count, sizeof *view->series[id]);
+        for (int k = 0; k < count; ++k) {
+            pl_series_init(&view->series[id][k], arena);
+        }
+    }
+}
+
 pl_referee *pl_referee_create(const pl_scene *scene, int threads)
 {
     pl_referee *r = pl_heap_new(1, sizeof *r);
@@ -56,13 +67,7 @@ pl_referee *pl_referee_create(const pl_scene *scene, int threads)
     r->repeats = pl_repeated_steps_create(scene, arena);
     view->scene = scene;
     view->scale = pl_scale_of(scene);
-    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-        const int count = series_count(id);
-        view->series[id] = pl_arena_take(arena, (size_t)count, sizeof *view->series[id]);
-        for (int k = 0; k < count; ++k) {
-            pl_series_init(&view->series[id][k], arena);
-        }
-    }
+    pl_make_series(view, arena);
     view->touching = pl_touching_create(scene, view->series[PL_METRIC_PENETRATION_MAX], arena);
     view->mechanics = pl_mechanics_create(scene, arena);
     view->values = pl_values_create(scene, pl_mechanics_votes(view->mechanics), arena);

@@ -34,9 +34,9 @@ typedef struct contact_force {
     const pl_scene *scene;
     pl_contact_motion *motion;
     pl_arena *arena;
-    double gravity;                         /* m/s^2 */
-    pl_vec *excess[PL_POSITION_RULE_COUNT]; /* each (body_count): impulses less their effect, N s */
-    pl_axes *axes;                          /* (body_count): principal, before the step */
+    double gravity; /* m/s^2 */
+    pl_vec *excess; /* (body_count): impulses less their effect, N s */
+    pl_axes *axes;  /* (body_count): principal, before the step */
     double *slides; /* (capacity): friction_effective of a contact; NAN: it does not slide */
     worst most;
     int capacity; /* contacts */
@@ -65,9 +65,7 @@ static void *create(const pl_run_view *view, pl_arena *arena)
     f->gravity = pl_vec_length(pl_vec_of(scene->gravity));
     f->axes = pl_arena_take(arena, (size_t)scene->body_count, sizeof *f->axes);
     f->motion = pl_contact_motion_create(scene, arena);
-    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        f->excess[k] = pl_arena_take(arena, (size_t)scene->body_count, sizeof *f->excess[k]);
-    }
+    f->excess = pl_arena_take(arena, (size_t)scene->body_count, sizeof *f->excess);
     pl_arena_reserve(arena, &f->slides, &f->capacity,
                      LEAST_CONTACTS + CONTACTS_PER_BODY * scene->body_count, sizeof *f->slides);
     return f;
@@ -81,41 +79,33 @@ static double larger(double a, double b)
 
 /* ---- The balance of each body ---- */
 
-static void add_applied_forces(contact_force *f, const pl_step *step)
+static void add_impulse(contact_force *f, int body, pl_vec impulse)
 {
-    double dt = f->scene->dt;
+    f->excess[body] = pl_vec_add(f->excess[body], impulse);
+}
+
+/* Finds the impulses on each body by gravity, contacts and applied forces, less their effect. */
+static void find_excess(contact_force *f, const pl_step *step, pl_position_rule k)
+{
+    const double dt = f->scene->dt;
+    for (int i = 0; i < f->scene->body_count; ++i) {
+        const pl_vec change =
+            pl_vec_sub(pl_vec_of(step->after[i].velocity), pl_vec_of(step->before[i].velocity));
+        const pl_vec due = pl_vec_mad(change, -dt, pl_vec_of(f->scene->gravity));
+        f->excess[i] = pl_vec_scale(due, -f->scene->bodies[i].mass);
+    }
+    for (int i = 0; i < step->contact_count; ++i) {
+        const pl_contact *contact = &step->contacts[i];
+        const pl_vec impulse = pl_vec_of(contact->impulse);
+        add_impulse(f, contact->body_a, pl_vec_scale(impulse, -1));
+        add_impulse(f, contact->body_b, impulse);
+    }
     for (int i = 0; i < f->scene->force_count; ++i) {
         const pl_force *force = &f->scene->forces[i];
-        for (int k = 0;
-             k < PL_POSITION_RULE_COUNT && pl_applied_force_acts(force, step->number, dt); ++k) {
-            pl_vec impulse =
-                pl_applied_force_impulse(force, (pl_position_rule)k, &step->before[force->body],
-                                         &step->after[force->body], dt);
-            f->excess[k][force->body] = pl_vec_add(f->excess[k][force->body], impulse);
-        }
-    }
-}
-
-/* Finds the impulses on a body by gravity and contacts, less their effect. */
-static pl_vec excess_of(const contact_force *f, const pl_step *step, int body)
-{
-    const pl_vec change =
-        pl_vec_sub(pl_vec_of(step->after[body].velocity), pl_vec_of(step->before[body].velocity));
-    const pl_vec due = pl_vec_mad(change, -f->scene->dt, pl_vec_of(f->scene->gravity));
-    return pl_contact_motion_add_impulses(f->motion, step, body,
-                                          pl_vec_scale(due, -f->scene->bodies[body].mass));
-}
-
-static void see_bodies(contact_force *f, const pl_step *step)
-{
-    for (int i = 0; i < f->scene->body_count; ++i) {
-        const pl_body *body = &f->scene->bodies[i];
-        if (!body->is_static) {
-            f->axes[i] = pl_principal_axes(&body->shape, step->before[i].orientation);
-            f->excess[0][i] = excess_of(f, step, i);
-            for (int k = 1; k < PL_POSITION_RULE_COUNT; ++k) {
-                f->excess[k][i] = f->excess[0][i];
-            }
+        if (pl_applied_force_acts(force, step->number, dt)) {
+            add_impulse(f, force->body,
+                        pl_applied_force_impulse(force, k, &step->before[force->body],
+                                                 &step->after[force->body], dt));
         }
     }
 }
@@ -125,12 +115,12 @@ static void see_balance(contact_force *f, const pl_run_view *view)
 {
     const pl_scene *scene = f->scene;
     const double fall = scene->dt * f->gravity;
-    add_applied_forces(f, &view->step);
     for (pl_position_rule k = 0; fall > 0 && k < PL_POSITION_RULE_COUNT; ++k) {
         double largest = 0;
+        find_excess(f, &view->step, k);
         for (int i = 0; i < scene->body_count; ++i) {
             if (!scene->bodies[i].is_static) {
-                double excess = pl_vec_length(f->excess[k][i]);
+                double excess = pl_vec_length(f->excess[i]);
                 largest = larger(largest, excess / (scene->bodies[i].mass * fall));
             }
         }
@@ -203,6 +193,16 @@ static void add_side(const contact_force *f, int index, pl_vec arm, touch *t)
     t->weight = fmin(t->weight, body->mass * f->gravity * f->scene->dt);
 }
 
+static bool same_place(const pl_contact_place *a, const pl_contact_place *b)
+{
+    bool same = true;
+    for (int k = 0; k < 3; ++k) {
+        same &= a->arm_a[k] == b->arm_a[k] && a->arm_b[k] == b->arm_b[k] &&
+                a->normal[k] == b->normal[k];
+    }
+    return same;
+}
+
 /* Contact i of the step. */
 static touch touch_of(const contact_force *f, const pl_step *step, int i)
 {
@@ -226,7 +226,7 @@ static touch touch_of(const contact_force *f, const pl_step *step, int i)
     t.normal_velocity += dt > 0 ? fmax(contact->separation, 0) / dt : 0;
     t.tangent_velocity = pl_vec_reject(pl_vec_reject(velocity.left, at_end), n);
     /* Where the places differ, the impulse acted at the middle of its interval. */
-    t.has_mean_slip = !pl_same_place(&time.acts, &time.holds);
+    t.has_mean_slip = !same_place(&time.acts, &time.holds);
     t.mean_slip = pl_vec_reject(velocity.mean, n);
     return t;
 }
@@ -291,6 +291,12 @@ static double see_contact(const contact_force *f, const touch *t, worst *most)
 
 static void see_contacts(contact_force *f, const pl_step *step)
 {
+    for (int i = 0; i < f->scene->body_count; ++i) {
+        f->axes[i] = pl_principal_axes(&f->scene->bodies[i].shape, step->before[i].orientation);
+    }
+    if (step->times != NULL) {
+        pl_contact_motion_step(f->motion, step);
+    }
     pl_arena_reserve(f->arena, &f->slides, &f->capacity, step->contact_count, sizeof *f->slides);
     f->most = (worst){(double)NAN, (double)NAN, (double)NAN};
     for (int i = 0; i < step->contact_count; ++i) {
@@ -306,10 +312,6 @@ static void see(void *state, const pl_run_view *view)
     if (step->contact_count < 0) {
         return;
     }
-    if (!step->repeats) {
-        pl_contact_motion_step(f->motion, step);
-    }
-    see_bodies(f, step);
     see_balance(f, view);
     if (!step->repeats) {
         see_contacts(f, step);

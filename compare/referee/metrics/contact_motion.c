@@ -133,8 +133,7 @@ static void list_sides(pl_contact_motion *m, const pl_step *step)
     }
     for (int side = 0; side < 2 * step->contact_count; ++side) {
         const int i = side / 2, body = body_of(step, side);
-        run += step->times != NULL && side == 2 * i && i > 0 &&
-               step->times[i].order != step->times[i - 1].order;
+        run += side == 2 * i && i > 0 && step->times[i].order != step->times[i - 1].order;
         if (!m->scene->bodies[body].is_static) {
             m->sides[m->bodies[body].end++] = (side_of_body){side, run};
         }
@@ -146,15 +145,6 @@ static pl_vec impulse_of(const pl_step *step, int side)
 {
     const pl_vec impulse = pl_vec_of(step->contacts[side / 2].impulse);
     return side % 2 == 1 ? impulse : pl_vec_scale(impulse, -1);
-}
-
-pl_vec pl_contact_motion_add_impulses(const pl_contact_motion *m, const pl_step *step, int body,
-                                      pl_vec sum)
-{
-    for (int i = m->bodies[body].begin; i < m->bodies[body].end; ++i) {
-        sum = pl_vec_add(sum, impulse_of(step, m->sides[i].side));
-    }
-    return sum;
 }
 
 /* ---- A body ---- */
@@ -230,7 +220,7 @@ void pl_contact_motion_step(pl_contact_motion *m, const pl_step *step)
 {
     list_sides(m, step);
     m->solve_count = 0;
-    for (int i = 0; i < m->scene->body_count && step->times != NULL; ++i) {
+    for (int i = 0; i < m->scene->body_count; ++i) {
         if (m->bodies[i].begin < m->bodies[i].end) {
             follow_body(m, step, i);
         }

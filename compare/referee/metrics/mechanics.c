@@ -54,23 +54,18 @@ typedef struct totals {
     pl_vec momentum, angular;
 } totals;
 
-/* Work and impulses of the scene so far. */
-typedef struct external {
-    double work[PL_POSITION_RULE_COUNT];
-    pl_vec momentum[PL_POSITION_RULE_COUNT], angular[PL_POSITION_RULE_COUNT];
-} external;
-
-/* What rounding explains so far: J, N s, N m s. */
+/* What rounding explains: J, N s, N m s. */
 typedef struct rounding {
     double energy, momentum, angular;
 } rounding;
 
-/* Sums over impulses: their part in the momenta of all bodies, and in the rounding of these. */
-typedef struct impulse_sums {
-    pl_vec momentum, angular[PL_POSITION_RULE_COUNT];
+/* Work and impulses from outside, and what rounding explains. */
+typedef struct external {
+    double work[PL_POSITION_RULE_COUNT];
+    pl_vec momentum[PL_POSITION_RULE_COUNT], angular[PL_POSITION_RULE_COUNT];
     rounding blur;
     bool has_contact; /* with a static body */
-} impulse_sums;
+} external;
 
 /* How far the arms of impulses on a body move in a step, by each rule: share x moved, m. */
 typedef struct arm_shift {
@@ -78,21 +73,23 @@ typedef struct arm_shift {
     double share[PL_POSITION_RULE_COUNT];
 } arm_shift;
 
+typedef struct moving_body {
+    pl_vec origin;                         /* centre of mass at the start */
+    double energy[PL_POSITION_RULE_COUNT]; /* of the last state */
+    arm_shift arm;                         /* of a dynamic body, in the step */
+    bool has_own_time; /* a contact acted on it at its own time; then this is the mean of x over */
+    pl_vec mean_shift; /* the step less x before it */
+} moving_body;
+
 struct pl_mechanics {
     const pl_scene *scene;
-    pl_vec *origin;                         /* (body_count): centres of mass at the start */
-    double *energy[PL_POSITION_RULE_COUNT]; /* each (body_count): of the last state */
+    moving_body *bodies;                    /* (body_count) */
     double *growth[PL_POSITION_RULE_COUNT]; /* each (body_count): in the last step, without work */
     pl_vec *turned;                         /* (body_count): of the last step; see find_turned */
-    bool *has_own_time; /* (body_count): a contact acted on it at its own time */
-    pl_vec *mean_shift; /* (body_count): of those, the mean of x over the step less x before it */
     totals first, last;
-    external given;
-    rounding blur;
+    external given; /* so far */
     pl_integrator_votes votes;
-    bool has_contact;         /* with a static body, in some step */
-    arm_shift *arms;          /* (body_count): of dynamic bodies, in the step */
-    impulse_sums of_contacts; /* of the last step */
+    external of_contacts; /* of the last step */
 };
 
 pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
@@ -100,13 +97,9 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
     size_t count = (size_t)scene->body_count;
     pl_mechanics *m = pl_arena_take(arena, 1, sizeof *m);
     m->scene = scene;
-    m->origin = pl_arena_take(arena, count, sizeof *m->origin);
+    m->bodies = pl_arena_take(arena, count, sizeof *m->bodies);
     m->turned = pl_arena_take(arena, count, sizeof *m->turned);
-    m->has_own_time = pl_arena_take(arena, count, sizeof *m->has_own_time);
-    m->mean_shift = pl_arena_take(arena, count, sizeof *m->mean_shift);
-    m->arms = pl_arena_take(arena, count, sizeof *m->arms);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        m->energy[k] = pl_arena_take(arena, count, sizeof *m->energy[k]);
         m->growth[k] = pl_arena_take(arena, count, sizeof *m->growth[k]);
     }
     return m;
@@ -120,8 +113,8 @@ static pl_vec centre_of(const pl_mechanics *m, const pl_body_state *bodies, int 
 /* Sets a body's energy and adds the difference to its growth. */
 static void set_energy(pl_mechanics *m, pl_position_rule integrator, int body, double energy)
 {
-    m->growth[integrator][body] += energy - m->energy[integrator][body];
-    m->energy[integrator][body] = energy;
+    m->growth[integrator][body] += energy - m->bodies[body].energy[integrator];
+    m->bodies[body].energy[integrator] = energy;
     m->last.energy[integrator] += energy;
 }
 
@@ -137,9 +130,9 @@ static void add_rounding(pl_mechanics *m, int index, const pl_body_state *state,
     const double potential = fabs(g[0] * x.x) + fabs(g[1] * x.y) + fabs(g[2] * x.z);
     const double spin = pl_vec_length(pl_vec_of(state->angular_velocity));
     const double energy = c * (mass * (reached * reached + potential) + 3 * spin * spin_momentum);
-    m->blur.energy += energy;
-    m->blur.momentum += c * mass * speed;
-    m->blur.angular += c * (2 * pl_vec_length(x) * mass * speed + 3 * spin_momentum);
+    m->given.blur.energy += energy;
+    m->given.blur.momentum += c * mass * speed;
+    m->given.blur.angular += c * (2 * pl_vec_length(x) * mass * speed + 3 * spin_momentum);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         m->growth[k][index] -= energy;
     }
@@ -164,9 +157,9 @@ static void measure(pl_mechanics *m, const pl_body_state *bodies)
             pl_to_world(&axes, (pl_vec){body->inertia[0] * spin.x, body->inertia[1] * spin.y,
                                         body->inertia[2] * spin.z});
         pl_vec momentum = pl_vec_scale(v, body->mass);
-        double energy =
-            body->mass * (pl_vec_dot(v, v) / 2 - pl_vec_dot(g, pl_vec_sub(x, m->origin[i]))) +
-            pl_vec_dot(w, angular) / 2;
+        double energy = body->mass * (pl_vec_dot(v, v) / 2 -
+                                      pl_vec_dot(g, pl_vec_sub(x, m->bodies[i].origin))) +
+                        pl_vec_dot(w, angular) / 2;
         set_energy(m, PL_SECOND_ORDER, i, energy);
         set_energy(m, PL_SEMI_IMPLICIT, i,
                    energy + m->scene->dt / (2 * substeps) * pl_vec_dot(g, momentum));
@@ -186,11 +179,10 @@ static void add_impulse_rounding(const pl_mechanics *m, pl_vec point, pl_vec imp
     blur->angular += 2 * pl_vec_length(point) * size;
 }
 
-static void add_impulse(pl_mechanics *m, pl_position_rule k, pl_vec point, pl_vec impulse)
+static void add_impulse(external *to, pl_position_rule k, pl_vec point, pl_vec impulse)
 {
-    external *given = &m->given;
-    given->momentum[k] = pl_vec_add(given->momentum[k], impulse);
-    given->angular[k] = pl_vec_add(given->angular[k], pl_vec_cross(point, impulse));
+    to->momentum[k] = pl_vec_add(to->momentum[k], impulse);
+    to->angular[k] = pl_vec_add(to->angular[k], pl_vec_cross(point, impulse));
 }
 
 /* The displacement of the body's centre in the step, m. */
@@ -234,26 +226,24 @@ static arm_shift arm_shift_of(const pl_mechanics *m, int body, const pl_step *st
 
 /* Adds an impulse of gravity or of a static body. It acts on a body that is at `point` at the start of
  * the step, whose arm moves by `arm`; NULL: it acted at `point`. */
-static void add_external(impulse_sums *sums, pl_vec point, const arm_shift *arm, pl_vec impulse,
+static void add_external(external *to, pl_vec point, const arm_shift *arm, pl_vec impulse,
                          pl_vec torque)
 {
-    sums->momentum = pl_vec_add(sums->momentum, impulse);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         const pl_vec at = arm == NULL ? point : pl_vec_mad(point, arm->share[k], arm->moved);
-        sums->angular[k] =
-            pl_vec_add(pl_vec_add(sums->angular[k], pl_vec_cross(at, impulse)), torque);
+        add_impulse(to, (pl_position_rule)k, at, impulse);
+        to->angular[k] = pl_vec_add(to->angular[k], torque);
     }
 }
 
-static void add_sums(pl_mechanics *m, const impulse_sums *sums)
+static void add_sums(external *to, const external *sums)
 {
-    external *given = &m->given;
-    m->has_contact = m->has_contact || sums->has_contact;
-    m->blur.momentum += sums->blur.momentum;
-    m->blur.angular += sums->blur.angular;
+    to->has_contact = to->has_contact || sums->has_contact;
+    to->blur.momentum += sums->blur.momentum;
+    to->blur.angular += sums->blur.angular;
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        given->momentum[k] = pl_vec_add(given->momentum[k], sums->momentum);
-        given->angular[k] = pl_vec_add(given->angular[k], sums->angular[k]);
+        to->momentum[k] = pl_vec_add(to->momentum[k], sums->momentum[k]);
+        to->angular[k] = pl_vec_add(to->angular[k], sums->angular[k]);
     }
 }
 
@@ -272,8 +262,8 @@ static void add_mean_shift(pl_mechanics *m, int body, const pl_contact_time *tim
 {
     const double dt = m->scene->dt, b = dt - time->begin, e = dt - time->end;
     const double share = (b * b + b * e + e * e) / (6 * dt); /* (b^3 - e^3) / (b - e) / (6 dt) */
-    m->mean_shift[body] =
-        pl_vec_mad(m->mean_shift[body], share / m->scene->bodies[body].mass, impulse);
+    m->bodies[body].mean_shift =
+        pl_vec_mad(m->bodies[body].mean_shift, share / m->scene->bodies[body].mass, impulse);
 }
 
 /* Finds the bodies with contacts at their own time, and the mean of their places over the step:
@@ -282,16 +272,16 @@ static void find_mean_shifts(pl_mechanics *m, const pl_step *step)
 {
     const double dt = m->scene->dt;
     const pl_vec fallen = pl_vec_scale(pl_vec_of(m->scene->gravity), dt * dt / 6);
-    memset(m->has_own_time, 0, (size_t)m->scene->body_count * sizeof *m->has_own_time);
     for (int i = 0; i < m->scene->body_count; ++i) {
-        m->mean_shift[i] = pl_vec_mad(fallen, 0.5 * dt, pl_vec_of(step->before[i].velocity));
+        m->bodies[i].has_own_time = false;
+        m->bodies[i].mean_shift = pl_vec_mad(fallen, 0.5 * dt, pl_vec_of(step->before[i].velocity));
     }
     for (int i = 0; i < step->contact_count && step->times != NULL; ++i) {
         const pl_contact *c = &step->contacts[i];
         const int bodies[2] = {c->body_a, c->body_b};
         for (int k = 0; k < 2; ++k) {
             if (is_at_own_time(&step->times[i], dt) && !m->scene->bodies[bodies[k]].is_static) {
-                m->has_own_time[bodies[k]] = true;
+                m->bodies[bodies[k]].has_own_time = true;
                 add_mean_shift(m, bodies[k], &step->times[i],
                                pl_vec_scale(pl_vec_of(c->impulse), k == 0 ? -1 : 1));
             }
@@ -302,7 +292,7 @@ static void find_mean_shifts(pl_mechanics *m, const pl_step *step)
 /* Finds the shift of each body's arms too, which its contacts use. */
 static void add_gravity(pl_mechanics *m, const pl_step *step)
 {
-    impulse_sums sums = {.has_contact = false};
+    external sums = {.has_contact = false};
     for (int i = 0; i < m->scene->body_count; ++i) {
         const pl_body *body = &m->scene->bodies[i];
         if (body->is_static) {
@@ -311,15 +301,15 @@ static void add_gravity(pl_mechanics *m, const pl_step *step)
         const pl_vec impulse =
             pl_vec_scale(pl_vec_of(m->scene->gravity), body->mass * m->scene->dt);
         pl_vec point = centre_of(m, step->before, i);
-        m->arms[i] = arm_shift_of(m, i, step);
-        if (m->has_own_time[i]) {
-            point = pl_vec_add(point, m->mean_shift[i]);
+        m->bodies[i].arm = arm_shift_of(m, i, step);
+        if (m->bodies[i].has_own_time) {
+            point = pl_vec_add(point, m->bodies[i].mean_shift);
         }
-        add_external(&sums, point, m->has_own_time[i] ? NULL : &m->arms[i], impulse,
+        add_external(&sums, point, m->bodies[i].has_own_time ? NULL : &m->bodies[i].arm, impulse,
                      (pl_vec){0, 0, 0});
         add_impulse_rounding(m, point, impulse, &sums.blur);
     }
-    add_sums(m, &sums);
+    add_sums(&m->given, &sums);
 }
 
 /* Velocity of the point at `arm` at a node of the step. At the midpoint it is chosen so that
@@ -360,21 +350,21 @@ static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *ste
                                       point_velocity(before, after, moved, dt, 2, arm));
             add_work(m, PL_SEMI_IMPLICIT, force->body, pl_vec_dot(impulse, twice) / 2);
             const pl_vec mean = pl_vec_mad(centre, pl_later_share(&m->votes.engine), moved);
-            add_impulse_rounding(m, pl_vec_add(mean, arm), impulse, &m->blur);
-            add_impulse(m, PL_SEMI_IMPLICIT, pl_vec_add(mean, arm), impulse);
+            add_impulse_rounding(m, pl_vec_add(mean, arm), impulse, &m->given.blur);
+            add_impulse(&m->given, PL_SEMI_IMPLICIT, pl_vec_add(mean, arm), impulse);
         }
         impulse = pl_vec_scale(impulse, pl_node_weights[i]);
         pl_vec velocity = point_velocity(before, after, moved, dt, i, arm);
         add_work(m, PL_SECOND_ORDER, force->body, pl_vec_dot(impulse, velocity));
         pl_vec point = pl_vec_add(pl_vec_mad(centre, pl_node_times[i], moved), arm);
-        add_impulse(m, PL_SECOND_ORDER, point, impulse);
+        add_impulse(&m->given, PL_SECOND_ORDER, point, impulse);
     }
 }
 
 /* Impulses and torques between dynamic bodies cancel; those of static bodies are external. */
-static impulse_sums sums_of_contacts(const pl_mechanics *m, const pl_step *step)
+static external sums_of_contacts(const pl_mechanics *m, const pl_step *step)
 {
-    impulse_sums sums = {.has_contact = false};
+    external sums = {.has_contact = false};
     for (int i = 0; i < step->contact_count; ++i) {
         const pl_contact *contact = &step->contacts[i];
         const bool a_static = m->scene->bodies[contact->body_a].is_static;
@@ -385,7 +375,7 @@ static impulse_sums sums_of_contacts(const pl_mechanics *m, const pl_step *step)
         add_impulse_rounding(m, point, impulse, &sums.blur);
         if (a_static != b_static) {
             const bool there = step->times != NULL && is_at_own_time(&step->times[i], m->scene->dt);
-            const arm_shift *arm = &m->arms[a_static ? contact->body_b : contact->body_a];
+            const arm_shift *arm = &m->bodies[a_static ? contact->body_b : contact->body_a].arm;
             sums.has_contact = true;
             add_external(&sums, point, there ? NULL : arm, impulse,
                          pl_vec_scale(pl_vec_of(contact->torque), sign));
@@ -397,7 +387,7 @@ static impulse_sums sums_of_contacts(const pl_mechanics *m, const pl_step *step)
 void pl_mechanics_start(pl_mechanics *m, const pl_body_state *bodies)
 {
     for (int i = 0; i < m->scene->body_count; ++i) {
-        m->origin[i] = centre_of(m, bodies, i);
+        m->bodies[i].origin = centre_of(m, bodies, i);
     }
     measure(m, bodies);
     m->first = m->last;
@@ -443,7 +433,7 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
     if (!step->repeats) {
         m->of_contacts = sums_of_contacts(m, step);
     }
-    add_sums(m, &m->of_contacts);
+    add_sums(&m->given, &m->of_contacts);
     measure(m, step->after);
 }
 
@@ -469,10 +459,10 @@ double pl_mechanics_momentum_error(const pl_mechanics *m, const pl_scale *scale,
 {
     double linear =
         unexplained(m->last.momentum, m->first.momentum, m->given.momentum[integrator]) -
-        m->blur.momentum;
+        m->given.blur.momentum;
     double angular = unexplained(m->last.angular, m->first.angular, m->given.angular[integrator]) -
-                     m->blur.angular;
-    const bool knows_arms = pl_substeps_of(&m->votes.engine) == 1 || !m->has_contact;
+                     m->given.blur.angular;
+    const bool knows_arms = pl_substeps_of(&m->votes.engine) == 1 || !m->given.has_contact;
     const double error =
         fmax(linear / scale->momentum, knows_arms ? angular / scale->angular_momentum : 0);
     return isnan(linear + angular) ? (double)NAN : fmax(error, 0);
@@ -497,7 +487,8 @@ static void see(void *state, const pl_run_view *view)
     const pl_mechanics *m = view->mechanics;
     const pl_scale *scale = &view->scale;
     for (pl_position_rule k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        const double gain = pl_mechanics_energy_gain(m, scale, k) - m->blur.energy / scale->energy;
+        const double gain =
+            pl_mechanics_energy_gain(m, scale, k) - m->given.blur.energy / scale->energy;
         const double error = pl_mechanics_momentum_error(m, scale, k);
         const double growth = pl_touching_island_max(view->touching, m->growth[k]);
         pl_see_value_by(view, PL_METRIC_ENERGY_GAIN, k, fmax(pl_or_infinity(gain), 0));

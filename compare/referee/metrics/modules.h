@@ -25,6 +25,9 @@ typedef struct pl_run_view {
     const pl_body_state *last;   /* at the end, (scene->body_count): the last valid frame */
 } pl_run_view;
 
+/* Makes view->series, in memory of the arena. */
+void pl_make_series(pl_run_view *view, pl_arena *arena);
+
 /* Adds the value of a metric over steps in the last step, >= 0; a NaN is not added. */
 void pl_see_value(const pl_run_view *view, pl_metric_id id, double value);
 
@@ -68,11 +71,8 @@ typedef struct pl_repeated_steps pl_repeated_steps;
 /* `scene` and `arena` must outlive it. Memory of the arena. */
 pl_repeated_steps *pl_repeated_steps_create(const pl_scene *scene, pl_arena *arena);
 
-/* Takes a step, whose contacts may be unreported. Returns whether its states, contacts and times are
- * those of the step taken before it: the referee need not measure such a step again. */
+/* Takes a step, whose contacts may be unreported. Returns whether its states, contacts and times are, bit
+ * for bit, those of the step taken before it: the referee need not measure such a step again. */
 bool pl_repeated_steps_see(pl_repeated_steps *repeats, const pl_step *step);
-
-/* Whether both are the same place, as numbers. */
-bool pl_same_place(const pl_contact_place *a, const pl_contact_place *b);
 
 #endif

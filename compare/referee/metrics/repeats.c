@@ -19,33 +19,13 @@ pl_repeated_steps *pl_repeated_steps_create(const pl_scene *scene, pl_arena *are
     return r;
 }
 
-bool pl_same_place(const pl_contact_place *a, const pl_contact_place *b)
-{
-    bool same = true;
-    for (int k = 0; k < 3; ++k) {
-        same &= a->arm_a[k] == b->arm_a[k] && a->arm_b[k] == b->arm_b[k] &&
-                a->normal[k] == b->normal[k];
-    }
-    return same;
-}
-
-static bool same_times(const pl_contact_time *a, const pl_contact_time *b, int count)
-{
-    bool same = true;
-    for (int i = 0; i < count && same; ++i) {
-        same = a[i].begin == b[i].begin && a[i].end == b[i].end && a[i].order == b[i].order &&
-               pl_same_place(&a[i].acts, &b[i].acts) && pl_same_place(&a[i].holds, &b[i].holds);
-    }
-    return same;
-}
-
 static bool same_contacts(const pl_repeated_steps *r, const pl_step *step)
 {
-    const int count = step->contact_count;
-    return count == r->count && (step->times != NULL) == r->has_times &&
-           (count <= 0 ||
-            (memcmp(step->contacts, r->contacts, (size_t)count * sizeof *r->contacts) == 0 &&
-             (!r->has_times || same_times(step->times, r->times, count))));
+    const size_t count = step->contact_count > 0 ? (size_t)step->contact_count : 0;
+    return step->contact_count == r->count && (step->times != NULL) == r->has_times &&
+           (count == 0 || memcmp(step->contacts, r->contacts, count * sizeof *r->contacts) == 0) &&
+           (count == 0 || !r->has_times ||
+            memcmp(step->times, r->times, count * sizeof *r->times) == 0);
 }
 
 static void keep(pl_repeated_steps *r, const pl_step *step)
