@@ -2,9 +2,7 @@
 #include "referee.h"
 
 #include "base/heap.h"
-#include "referee/metrics/expectations.h"
 #include "referee/metrics/modules.h"
-#include "referee/metrics/standing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,10 +25,9 @@ struct pl_referee {
     pl_error reason;
     pl_candidate_pairs *pairs;
     pl_repeated_steps *repeats;
-    long no_contacts_step;     /* first step whose contacts the engine did not report; 0: none */
-    bool has_points_alone;     /* in some step the engine reported contacts without impulses */
-    long foreign_contact_step; /* first step with a contact of no body of the scene; 0: none */
-    pl_body_state *last;       /* (body_count): the last valid frame */
+    long no_contacts_step; /* first step whose contacts the engine did not report; 0: none */
+    bool has_points_alone; /* in some step the engine reported contacts without impulses */
+    pl_body_state *last;   /* (body_count): the last valid frame */
 };
 
 static int series_count(int id)
@@ -158,38 +155,18 @@ pl_ending pl_referee_start(pl_referee *r, const pl_referee_engine *engine, const
     return conclude(r, ending, NULL);
 }
 
-static bool contacts_belong(const pl_scene *scene, const pl_contact *contacts, int count)
-{
-    for (int i = 0; i < count; ++i) {
-        if (contacts[i].body_a < 0 || contacts[i].body_a >= scene->body_count ||
-            contacts[i].body_b < 0 || contacts[i].body_b >= scene->body_count) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* Makes r->view of a step, which starts at r->last. */
-static void take_step(pl_referee *r, const pl_step_observation *seen)
+static void take_step(pl_referee *r, const pl_step *seen)
 {
-    pl_step step = {.number = r->done,
-                    .before = r->last,
-                    .after = seen->frame->bodies,
-                    .contacts = seen->contacts,
-                    .times = seen->contact_times,
-                    .contact_count = seen->contact_count};
-    if (step.contact_count < 0 && r->no_contacts_step == 0) {
+    pl_step *step = &r->view.step;
+    *step = *seen;
+    step->number = r->done;
+    step->before = r->last;
+    step->repeats = pl_repeated_steps_see(r->repeats, step);
+    if (step->contact_count < 0 && r->no_contacts_step == 0) {
         r->no_contacts_step = r->done;
     }
-    r->has_points_alone = r->has_points_alone || seen->has_points_alone;
-    if (!contacts_belong(r->view.scene, step.contacts, step.contact_count)) {
-        r->foreign_contact_step = r->foreign_contact_step == 0 ? r->done : r->foreign_contact_step;
-        step.contact_count = 0;
-    }
-    step.repeats = pl_repeated_steps_see(r->repeats, &step);
-    r->view.step = step;
-    r->view.stats = seen->stats;
-    r->view.cpu_time = seen->cpu_time;
+    r->has_points_alone = r->has_points_alone || step->has_points_alone;
 }
 
 /* The smallest over the integrators, because a divergence shows in each. */
@@ -203,12 +180,12 @@ static double energy_gain(const pl_referee *r)
     return least;
 }
 
-pl_ending pl_referee_step(pl_referee *r, const pl_step_observation *seen, pl_error *error)
+pl_ending pl_referee_step(pl_referee *r, const pl_step *seen, pl_error *error)
 {
     if (r->ended != PL_ENDING_OK) {
         return conclude(r, r->ended, error);
     }
-    const pl_body_state *bodies = seen->frame->bodies;
+    const pl_body_state *bodies = seen->after;
     long step = r->done + 1;
     pl_ending ending = pl_check_finite(r->view.scene, bodies, step, &r->reason);
     if (ending == PL_ENDING_OK) {
@@ -232,12 +209,7 @@ double pl_referee_penetration(const pl_referee *referee)
 static void judge_contacts(const pl_referee *r, int id, pl_metric *metric)
 {
     const bool touched = pl_metric_is(id, PL_TRAIT_STATIC_IMPULSES) && r->view.touching->met_static;
-    if (pl_metric_is(id, PL_TRAIT_STATIC_IMPULSES | PL_TRAIT_IMPULSES) &&
-        r->foreign_contact_step > 0 && metric->state != PL_METRIC_ABSENT) {
-        *metric =
-            pl_metric_failed("a contact reported at step %ld is between no bodies of the scene",
-                             r->foreign_contact_step);
-    } else if ((pl_metric_is(id, PL_TRAIT_IMPULSES) || touched) && r->has_points_alone) {
+    if ((pl_metric_is(id, PL_TRAIT_IMPULSES) || touched) && r->has_points_alone) {
         *metric = pl_metric_failed("the engine reports contact points without impulses");
     } else if (touched && r->no_contacts_step > 0) {
         *metric = pl_metric_failed(

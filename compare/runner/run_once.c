@@ -308,13 +308,13 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
     enter(def->watch, PL_STAGE_JUDGE);
     const bool has_impulses =
         count >= 0 && (r->session.loaded.table.contacts & PL_CONTACTS_IMPULSES) != 0;
-    const pl_step_observation seen = {.frame = &r->frame,
-                                      .stats = &stats,
-                                      .contacts = has_impulses ? r->contacts : NULL,
-                                      .contact_count = has_impulses ? count : -1,
-                                      .contact_times = has_impulses && has_times ? r->times : NULL,
-                                      .has_points_alone = !has_impulses && count > 0,
-                                      .cpu_time = cost.cpu_time};
+    const pl_step seen = {.after = r->frame.bodies,
+                          .stats = &stats,
+                          .contacts = has_impulses ? r->contacts : NULL,
+                          .contact_count = has_impulses ? count : -1,
+                          .times = has_impulses && has_times ? r->times : NULL,
+                          .has_points_alone = !has_impulses && count > 0,
+                          .cpu_time = cost.cpu_time};
     pl_ending ending = pl_referee_step(r->referee, &seen, &fault);
     status = record_frame(r, result->steps_done, &stats, count, error);
     if (ending == PL_ENDING_NONFINITE || ending == PL_ENDING_DIVERGED) {

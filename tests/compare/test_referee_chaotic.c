@@ -162,7 +162,7 @@ static double judge(const pl_scene *scene, motion moves)
     pl_ending verdict = pl_referee_start(referee, &(pl_referee_engine){0}, &frame);
     for (long step = 1; step <= pl_scene_steps(scene) && verdict == PL_ENDING_OK; ++step) {
         moves(scene, (double)step * scene->dt, bodies);
-        const pl_step_observation seen = {.frame = &frame, .contact_count = -1};
+        const pl_step seen = {.after = bodies, .contact_count = -1};
         verdict = pl_referee_step(referee, &seen, NULL);
     }
     pl_note note;

@@ -64,13 +64,12 @@ void run_begin(run *r)
 
 pl_ending run_step_with(run *r, const pl_contact *contacts, int count)
 {
-    pl_frame frame = run_frame(r);
     return pl_referee_step(r->referee,
-                           &(pl_step_observation){.frame = &frame,
-                                                  .stats = &r->stats,
-                                                  .contacts = contacts,
-                                                  .contact_count = count,
-                                                  .cpu_time = 1e-3},
+                           &(pl_step){.after = r->state,
+                                      .stats = &r->stats,
+                                      .contacts = contacts,
+                                      .contact_count = count,
+                                      .cpu_time = 1e-3},
                            &r->error);
 }
 

@@ -156,8 +156,8 @@ static double meeting_gap(const pl_candidate_pairs *p, int a, int b)
     return RESTING_GAP * size + p->scene->dt * speed;
 }
 
-/* Whether the pair may meet or touch; it then gets its gap. */
-static bool is_near(const pl_candidate_pairs *p, int a, int b, pl_near_pair *pair)
+/* Whether the pair meets; it then gets its gap. */
+static bool meet(const pl_candidate_pairs *p, int a, int b, pl_near_pair *pair)
 {
     const pl_body *bodies = p->scene->bodies;
     if (!bodies[a].is_static && !bodies[b].is_static && is_far(p, a, b)) {
@@ -167,8 +167,7 @@ static bool is_near(const pl_candidate_pairs *p, int a, int b, pl_near_pair *pai
     pl_placed_shape placed_a = place(p, a), placed_b = place(p, b);
     *pair = (pl_near_pair){.a = a, .b = b};
     pair->status = pl_gap(&placed_a, &placed_b, within, &pair->gap);
-    pair->meets = !(pair->status == PL_OK && pair->gap > within);
-    return true;
+    return !(pair->status == PL_OK && pair->gap > within);
 }
 
 /* A piece at work. */
@@ -181,7 +180,7 @@ static void keep_pair(void *context, int a, int b)
 {
     const piece_work *w = context;
     pl_near_pair pair;
-    if (is_near(w->pairs, a, b, &pair)) {
+    if (meet(w->pairs, a, b, &pair)) {
         if (w->piece->count < w->piece->capacity) {
             w->piece->pairs[w->piece->count] = pair;
         }

@@ -1,4 +1,4 @@
-#include "applied_force.h"
+#include "mechanics.h"
 
 const double pl_node_times[PL_NODES] = {0, 0.5, 1};
 const double pl_node_weights[PL_NODES] = {1.0 / 6, 4.0 / 6, 1.0 / 6};

@@ -15,7 +15,6 @@
  * that it states (contact_motion.h), and h the length of its interval.
  * A correct bounce has r_n > 0 and u_n > 0, so the last two metrics leave out pairs with
  * restitution. */
-#include "applied_force.h"
 #include "contact_motion.h"
 #include "modules.h"
 #include "referee/geometry/solid.h"

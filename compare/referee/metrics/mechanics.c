@@ -42,7 +42,6 @@
  * Source: the substitution of every proof that symplectic Euler conserves a modified energy
  * (Hairer, Lubich and Wanner 2006).
  */
-#include "applied_force.h"
 #include "modules.h"
 #include "referee/geometry/solid.h"
 

@@ -3,8 +3,8 @@
 #ifndef PLUMB_MODULES_H
 #define PLUMB_MODULES_H
 
+#include "expectations.h"
 #include "mechanics.h"
-#include "reference_error.h"
 #include "series.h"
 #include "touching.h"
 
@@ -18,8 +18,6 @@ typedef struct pl_run_view {
     pl_mechanics *mechanics;     /* has seen the step */
     pl_values *values;           /* have seen the frame */
     pl_step step;                /* the last one; number 0 and before NULL: the start */
-    const pl_step_stats *stats;  /* NULL: the engine reports none */
-    double cpu_time;             /* of the step, s */
     const char *residual_unit;   /* at the end; NULL: the engine never reports a residual */
     pl_position_rule integrator; /* at the end */
     const pl_body_state *last;   /* at the end, (scene->body_count): the last valid frame */

@@ -4,7 +4,7 @@
  * Rounding: with c of pl_step_rounding, a step changes a velocity v by up to c (|v| + h |g|), a spin
  * w by c (|w| + h |g| / R), a position x by c |x| and an orientation by c. The changes of all steps
  * add up, and those of velocities also move the body, by h each step. */
-#include "reference_error.h"
+#include "expectations.h"
 
 #include "base/hash.h"
 #include "referee/geometry/solid.h"
@@ -26,13 +26,6 @@ static void raise_to(pl_metric *metric, double error)
 typedef struct blur {
     double rate, value;
 } blur;
-
-/* Adds a step, in which the body came to a rate of this size, and a place of this size. */
-static void add_blur(blur *b, double rounding, double dt, double rate, double size)
-{
-    b->rate += rounding * rate;
-    b->value += rounding * size + dt * b->rate;
-}
 
 /* ---- Expected values ---- */
 
@@ -200,11 +193,12 @@ static void see_value(const pl_scene *scene, reading *r, long step, const pl_bod
     }
 }
 
+/* Adds what rounding explains of a body's place and velocity in a step, or of its turn and spin. */
 static void see_blur(const pl_values *values, blur *b, int body, bool turns,
-                     const pl_body_state *bodies)
+                     const pl_body_state *state)
 {
     const pl_scene *scene = values->scene;
-    const pl_body_state *state = &bodies[body];
+    const double c = pl_step_rounding(&values->votes->engine);
     double fall = scene->dt * pl_vec_length(pl_vec_of(scene->gravity));
     double rate = pl_vec_length(pl_vec_of(state->velocity)), size = 1;
     if (turns) {
@@ -213,7 +207,8 @@ static void see_blur(const pl_values *values, blur *b, int body, bool turns,
     } else {
         size = pl_vec_length(pl_vec_of(state->position));
     }
-    add_blur(b, pl_step_rounding(&values->votes->engine), scene->dt, rate + fall, size);
+    b->rate += c * (rate + fall);
+    b->value += c * size + scene->dt * b->rate;
 }
 
 void pl_values_see(pl_values *values, long step, const pl_body_state *bodies)
@@ -224,12 +219,14 @@ void pl_values_see(pl_values *values, long step, const pl_body_state *bodies)
         const pl_quantity quantity = r->expected->quantity;
         if ((double)step * scene->dt < r->expected->until + scene->dt) {
             see_blur(values, &r->blur, r->expected->body,
-                     quantity == PL_QUANTITY_SPIN || quantity == PL_QUANTITY_TURN, bodies);
+                     quantity == PL_QUANTITY_SPIN || quantity == PL_QUANTITY_TURN,
+                     &bodies[r->expected->body]);
         }
         see_value(scene, r, step, &bodies[r->expected->body]);
     }
     for (int i = 0; i < scene->travel_count; ++i) {
-        see_blur(values, &values->travels[i], scene->travels[i].body, false, bodies);
+        const int body = scene->travels[i].body;
+        see_blur(values, &values->travels[i], body, false, &bodies[body]);
     }
 }
 

@@ -4,13 +4,13 @@
 static void see(void *state, const pl_run_view *view)
 {
     (void)state;
-    pl_see_value(view, PL_METRIC_TIME_PER_STEP, view->cpu_time);
-    if (view->stats != NULL) {
-        pl_see_value(view, PL_METRIC_ITERATIONS_MEAN, view->stats->iterations);
-        pl_see_value(view, PL_METRIC_ITERATIONS_MAX, view->stats->iterations);
-        pl_see_value(view, PL_METRIC_RESIDUAL_MAX, view->stats->residual);
-        pl_see_value(view, PL_METRIC_RESIDUAL_RMS, view->stats->residual);
-        pl_see_value(view, PL_METRIC_CONTACTS_MEAN, view->stats->contacts);
+    pl_see_value(view, PL_METRIC_TIME_PER_STEP, view->step.cpu_time);
+    if (view->step.stats != NULL) {
+        pl_see_value(view, PL_METRIC_ITERATIONS_MEAN, view->step.stats->iterations);
+        pl_see_value(view, PL_METRIC_ITERATIONS_MAX, view->step.stats->iterations);
+        pl_see_value(view, PL_METRIC_RESIDUAL_MAX, view->step.stats->residual);
+        pl_see_value(view, PL_METRIC_RESIDUAL_RMS, view->step.stats->residual);
+        pl_see_value(view, PL_METRIC_CONTACTS_MEAN, view->step.stats->contacts);
     }
 }
 

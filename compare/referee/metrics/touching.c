@@ -61,12 +61,10 @@ void pl_touching_see(void *touching, const pl_near_pair *pair)
 {
     pl_touching *t = touching;
     const pl_body *bodies = t->scene->bodies;
-    if (pair->meets) {
-        t->bodies[pair->a].met = t->bodies[pair->b].met = true;
-    }
-    if (pair->meets && (bodies[pair->a].is_static || bodies[pair->b].is_static)) {
+    t->bodies[pair->a].met = t->bodies[pair->b].met = true;
+    if (bodies[pair->a].is_static || bodies[pair->b].is_static) {
         t->met_static = true;
-    } else if (pair->meets) {
+    } else {
         unite(t->now, pair->a, pair->b);
         unite(t->both, pair->a, pair->b);
     }

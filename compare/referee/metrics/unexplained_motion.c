@@ -20,13 +20,18 @@
 
 #include <string.h>
 
+/* What an island allows its bodies. */
+typedef struct island {
+    double speed;  /* m/s, the largest */
+    double depth;  /* m, of all overlaps */
+    double energy; /* J, kinetic, at most */
+} island;
+
 typedef struct unexplained {
     const pl_scene *scene;
     double *radius;       /* (body_count): bounding radii, m */
     double *acceleration; /* (body_count): |g| + F/m, m/s^2 */
-    double *speed;        /* (body_count): of an island, by its root, m/s */
-    double *depth;        /* (body_count): of an island, by its root, m */
-    double *energy;       /* (body_count): kinetic, of an island, by its root, at most, J */
+    island *islands;      /* (body_count): by the root of each */
     bool rebounds;        /* a pair of materials has restitution */
 } unexplained;
 
@@ -38,9 +43,7 @@ static void *create(const pl_run_view *view, pl_arena *arena)
     *m = (unexplained){.scene = scene,
                        .radius = pl_arena_take(arena, count, sizeof *m->radius),
                        .acceleration = pl_arena_take(arena, count, sizeof *m->acceleration),
-                       .speed = pl_arena_take(arena, count, sizeof *m->speed),
-                       .depth = pl_arena_take(arena, count, sizeof *m->depth),
-                       .energy = pl_arena_take(arena, count, sizeof *m->energy)};
+                       .islands = pl_arena_take(arena, count, sizeof *m->islands)};
     view->series[PL_METRIC_UNEXPLAINED_MOTION]->applies = true;
     for (int i = 0; i < scene->material_count; ++i) {
         m->rebounds = m->rebounds || scene->materials[i].restitution > 0;
@@ -69,11 +72,10 @@ static double speed_of(const unexplained *m, int body, const pl_body_state *stat
            m->radius[body] * pl_vec_length(pl_vec_of(state->angular_velocity));
 }
 
-/* The largest speed that a body of the island, whose root is `root`, can have had in the step. */
-static double explained_speed(const unexplained *m, int body, int root)
+/* The largest speed that a body of the island can have had in the step. */
+static double explained_speed(const unexplained *m, const pl_body *body, const island *of)
 {
-    const double alone = sqrt(2 * m->energy[root] / m->scene->bodies[body].mass);
-    return m->rebounds ? fmax(m->speed[root], alone) : m->speed[root];
+    return m->rebounds ? fmax(of->speed, sqrt(2 * of->energy / body->mass)) : of->speed;
 }
 
 /* The largest unexplained motion of a dynamic body over its bounding radius; at least 0. */
@@ -83,26 +85,24 @@ static double unexplained_motion(unexplained *m, pl_touching *touching, const pl
     const pl_scene *scene = m->scene;
     const double h = scene->dt;
     double most = 0;
-    memset(m->speed, 0, (size_t)scene->body_count * sizeof *m->speed);
-    memset(m->depth, 0, (size_t)scene->body_count * sizeof *m->depth);
-    memset(m->energy, 0, (size_t)scene->body_count * sizeof *m->energy);
+    memset(m->islands, 0, (size_t)scene->body_count * sizeof *m->islands);
     for (int i = 0; i < scene->body_count; ++i) {
         if (!scene->bodies[i].is_static) {
-            const int root = pl_touching_island(touching, i);
+            island *of = &m->islands[pl_touching_island(touching, i)];
             const double speed = fmax(speed_of(m, i, &before[i]), speed_of(m, i, &after[i]));
-            m->speed[root] = fmax(m->speed[root], speed);
-            m->depth[root] += touching->bodies[i].depth + touching->bodies[i].depth_before;
-            m->energy[root] += 0.5 * scene->bodies[i].mass * speed * speed;
+            of->speed = fmax(of->speed, speed);
+            of->depth += touching->bodies[i].depth + touching->bodies[i].depth_before;
+            of->energy += 0.5 * scene->bodies[i].mass * speed * speed;
         }
     }
     for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         if (!body->is_static) {
-            const int root = pl_touching_island(touching, i);
+            const island *of = &m->islands[pl_touching_island(touching, i)];
             const double moved = pl_vec_length(
                 pl_vec_sub(pl_state_centre(body, &after[i]), pl_state_centre(body, &before[i])));
             const double explained =
-                h * explained_speed(m, i, root) + h * h * m->acceleration[i] + m->depth[root];
+                h * explained_speed(m, body, of) + h * h * m->acceleration[i] + of->depth;
             most = fmax(most, (moved - explained) / m->radius[i]);
         }
     }
