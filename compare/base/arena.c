@@ -46,6 +46,22 @@ void *pl_arena_take(pl_arena *arena, size_t count, size_t size)
     return block->data;
 }
 
+void pl_arena_reserve(pl_arena *arena, void *items, int *capacity, int wanted, size_t size)
+{
+    const int had = *capacity;
+    if (wanted <= had) {
+        return;
+    }
+    void *old;
+    memcpy(&old, items, sizeof old);
+    *capacity = wanted > 2 * had ? wanted : 2 * had;
+    void *longer = pl_arena_take(arena, (size_t)*capacity, size);
+    if (had > 0) {
+        memcpy(longer, old, (size_t)had * size);
+    }
+    memcpy(items, &longer, sizeof longer);
+}
+
 void pl_arena_free(pl_arena *arena)
 {
     while (arena->blocks != NULL) {

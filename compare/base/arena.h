@@ -20,6 +20,10 @@ typedef struct pl_arena {
  * be read. */
 void *pl_arena_take(pl_arena *arena, size_t count, size_t size);
 
+/* Makes room for at least `wanted` items in the array whose address is `items`, and keeps those that it
+ * has. A new array is at least twice as long; the old one remains in the arena until its end. */
+void pl_arena_reserve(pl_arena *arena, void *items, int *capacity, int wanted, size_t size);
+
 /* Has the system give the pages of memory just allocated, all in one call: page by page, as each is
  * first written, takes twice as long. A hint, for memory that is then written from end to end:
  * madvise(2) has it from Linux 5.14 on. */

@@ -3,7 +3,7 @@
 #include "base/file_beneath.h"
 #include "base/folding.h"
 #include "base/heap.h"
-#include "base/thread_pool.h"
+#include "base/parallel.h"
 #include "engines/registry.h"
 
 #include <math.h>

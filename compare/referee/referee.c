@@ -2,14 +2,7 @@
 #include "referee.h"
 
 #include "base/heap.h"
-#include "referee/geometry/candidate_pairs.h"
-#include "referee/metrics/chaotic.h"
-#include "referee/metrics/expectations.h"
 #include "referee/metrics/modules.h"
-#include "referee/metrics/reference_error.h"
-#include "referee/metrics/repeats.h"
-#include "referee/metrics/series.h"
-#include "referee/metrics/standing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -26,36 +19,60 @@ struct pl_referee {
     pl_arena arena; /* all memory of what stands below */
     pl_run_view view;
     void *state[MODULE_COUNT];
+    int threads;      /* that share the work on a frame */
     long asked, done; /* steps */
     pl_ending ended;  /* what ended the run early, with its reason */
     pl_error reason;
     pl_candidate_pairs *pairs;
-    pl_thread_pool *pool; /* the caller's; NULL: none */
-    pl_values *values;
-    pl_standing *standing;
     pl_repeated_steps *repeats;
-    long no_contacts_step;     /* first step whose contacts the engine did not report; 0: none */
-    bool has_points_alone;     /* in some step the engine reported contacts without impulses */
-    long foreign_contact_step; /* first step with a contact of no body of the scene; 0: none */
-    pl_body_state *last;       /* (body_count): the last valid frame */
+    long no_contacts_step; /* first step whose contacts the engine did not report; 0: none */
+    bool has_points_alone; /* in some step the engine reported contacts without impulses */
+    pl_body_state *last;   /* (body_count): the last valid frame */
 };
 
-pl_referee *pl_referee_create(const pl_scene *scene)
+static int series_count(int id)
+{
+    return !pl_metric_is(id, PL_TRAIT_OVER_STEPS)     ? 0
+           : pl_metric_is(id, PL_TRAIT_BY_INTEGRATOR) ? PL_POSITION_RULE_COUNT
+                                                      : 1;
+}
+
+static bool is_used(const pl_referee *r, const pl_module *module)
+{
+    return r->view.scale.dynamic_count > 0 || module->needs_no_motion;
+}
+
+void pl_make_series(pl_run_view *view, pl_arena *arena)
+{
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+        const int count = series_count(id);
+        view->series[id] = pl_arena_take(arena, (size_t)count, sizeof *view->series[id]);
+        for (int k = 0; k < count; ++k) {
+            pl_series_init(&view->series[id][k], arena);
+        }
+    }
+}
+
+pl_referee *pl_referee_create(const pl_scene *scene, int threads)
 {
     pl_referee *r = pl_heap_new(1, sizeof *r);
     pl_arena *arena = &r->arena;
-    r->view.scene = scene;
-    r->view.scale = pl_scale_of(scene);
+    pl_run_view *view = &r->view;
+    r->threads = threads;
     r->asked = pl_scene_steps(scene);
     r->pairs = pl_candidate_pairs_create(scene, arena);
-    r->view.touching = pl_touching_create(scene, arena);
-    r->view.mechanics = pl_mechanics_create(scene, arena);
-    r->values = pl_values_create(scene, arena);
-    r->standing = pl_standing_create(scene, arena);
     r->repeats = pl_repeated_steps_create(scene, arena);
-    r->view.last = r->last = pl_arena_take(arena, (size_t)scene->body_count, sizeof *r->last);
+    view->scene = scene;
+    view->scale = pl_scale_of(scene);
+    pl_make_series(view, arena);
+    view->touching = pl_touching_create(scene, view->series[PL_METRIC_PENETRATION_MAX], arena);
+    view->mechanics = pl_mechanics_create(scene, arena);
+    view->values = pl_values_create(scene, pl_mechanics_votes(view->mechanics), arena);
+    view->last = r->last = pl_arena_take(arena, (size_t)scene->body_count, sizeof *r->last);
     for (int i = 0; i < MODULE_COUNT; ++i) {
-        r->state[i] = modules[i]->create != NULL ? modules[i]->create(scene, arena) : NULL;
+        if (is_used(r, modules[i]) && modules[i]->create != NULL) {
+            r->state[i] = modules[i]->create(view, arena);
+        }
     }
     return r;
 }
@@ -80,83 +97,76 @@ static pl_ending conclude(pl_referee *r, pl_ending ending, pl_error *error)
     return ending;
 }
 
-static void see_pairs(pl_referee *r, const pl_body_state *bodies)
+void pl_see_value_by(const pl_run_view *view, pl_metric_id id, pl_position_rule rule, double value)
 {
-    pl_touching_begin(r->view.touching, r->done);
-    pl_candidate_pairs_each(r->pairs, bodies, r->pool, pl_touching_see, r->view.touching);
-    pl_touching_end(r->view.touching);
+    pl_series_add(&view->series[id][rule], value, view->step.number);
 }
 
-/* Hands the modules the frame of r->view.step. */
+void pl_see_value(const pl_run_view *view, pl_metric_id id, double value)
+{
+    pl_see_value_by(view, id, (pl_position_rule)0, value);
+}
+
+/* Hands the frame of r->view.step to the modules that need no pairs, or to the others. */
+static void see_modules(pl_referee *r, bool needs_no_pairs)
+{
+    const bool is_start = r->view.step.number == 0;
+    for (int i = 0; i < MODULE_COUNT; ++i) {
+        const pl_module *module = modules[i];
+        if (module->see != NULL && module->needs_no_pairs == needs_no_pairs && is_used(r, module) &&
+            (!is_start || module->sees_start)) {
+            module->see(r->state[i], &r->view);
+        }
+    }
+}
+
+/* Measures what needs no pairs, while these are found. */
+static void see_without_pairs(void *context)
+{
+    pl_referee *r = context;
+    if (r->view.step.number > 0) {
+        pl_mechanics_step(r->view.mechanics, &r->view.step);
+    }
+    see_modules(r, true);
+}
+
+/* Takes the frame of r->view.step. */
 static void see_frame(pl_referee *r)
 {
     const pl_step *step = &r->view.step;
-    for (int i = 0; i < MODULE_COUNT; ++i) {
-        if (modules[i]->see != NULL) {
-            modules[i]->see(r->state[i], &r->view);
-        }
-    }
-    pl_values_see(r->values, step->number, step->after);
+    pl_touching_begin(r->view.touching, step->number);
+    pl_candidate_pairs_find(r->pairs, step->after, r->threads, see_without_pairs, r);
+    pl_candidate_pairs_each(r->pairs, pl_touching_see, r->view.touching);
+    pl_touching_end(r->view.touching);
+    see_modules(r, false);
+    pl_values_see(r->view.values, step->number, step->after);
     memcpy(r->last, step->after, (size_t)r->view.scene->body_count * sizeof *r->last);
 }
 
-void pl_referee_set_engine(pl_referee *referee, const pl_referee_engine *engine)
-{
-    pl_mechanics_set_engine(referee->view.mechanics, engine);
-    pl_values_set_engine(referee->values, engine);
-}
-
-void pl_referee_set_threads(pl_referee *referee, pl_thread_pool *pool)
-{
-    referee->pool = pool;
-}
-
-pl_ending pl_referee_start(pl_referee *r, const pl_frame *frame)
+pl_ending pl_referee_start(pl_referee *r, const pl_referee_engine *engine, const pl_frame *frame)
 {
     pl_ending ending = pl_check_finite(r->view.scene, frame->bodies, 0, &r->reason);
+    pl_mechanics_votes(r->view.mechanics)->engine = *engine;
     if (ending == PL_ENDING_OK) {
         pl_mechanics_start(r->view.mechanics, frame->bodies);
-        see_pairs(r, frame->bodies);
         r->view.step.after = frame->bodies;
         see_frame(r);
     }
     return conclude(r, ending, NULL);
 }
 
-static bool contacts_belong(const pl_scene *scene, const pl_contact *contacts, int count)
+/* Makes r->view of a step, which starts at r->last. */
+static void take_step(pl_referee *r, const pl_step *seen)
 {
-    for (int i = 0; i < count; ++i) {
-        if (contacts[i].body_a < 0 || contacts[i].body_a >= scene->body_count ||
-            contacts[i].body_b < 0 || contacts[i].body_b >= scene->body_count) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/* Takes the contacts of a step, which starts at r->last, and its balance of energy and momentum. */
-static void see_step(pl_referee *r, const pl_step_observation *seen)
-{
-    pl_step step = {.number = r->done,
-                    .before = r->last,
-                    .after = seen->frame->bodies,
-                    .contacts = seen->contacts,
-                    .times = seen->contact_times,
-                    .contact_count = seen->contact_count,
-                    .pool = r->pool};
-    if (step.contact_count < 0 && r->no_contacts_step == 0) {
+    pl_step *step = &r->view.step;
+    *step = *seen;
+    step->number = r->done;
+    step->before = r->last;
+    step->repeats = pl_repeated_steps_see(r->repeats, step);
+    if (step->contact_count < 0 && r->no_contacts_step == 0) {
         r->no_contacts_step = r->done;
     }
-    r->has_points_alone = r->has_points_alone || seen->has_points_alone;
-    if (!contacts_belong(r->view.scene, step.contacts, step.contact_count)) {
-        r->foreign_contact_step = r->foreign_contact_step == 0 ? r->done : r->foreign_contact_step;
-        step.contact_count = 0;
-    }
-    step.repeats = pl_repeated_steps_see(r->repeats, &step);
-    pl_mechanics_step(r->view.mechanics, &step);
-    r->view.step = step;
-    r->view.stats = seen->stats;
-    r->view.cpu_time = seen->cpu_time;
+    r->has_points_alone = r->has_points_alone || step->has_points_alone;
 }
 
 /* The smallest over the integrators, because a divergence shows in each. */
@@ -170,18 +180,17 @@ static double energy_gain(const pl_referee *r)
     return least;
 }
 
-pl_ending pl_referee_step(pl_referee *r, const pl_step_observation *seen, pl_error *error)
+pl_ending pl_referee_step(pl_referee *r, const pl_step *seen, pl_error *error)
 {
     if (r->ended != PL_ENDING_OK) {
         return conclude(r, r->ended, error);
     }
-    const pl_body_state *bodies = seen->frame->bodies;
+    const pl_body_state *bodies = seen->after;
     long step = r->done + 1;
     pl_ending ending = pl_check_finite(r->view.scene, bodies, step, &r->reason);
     if (ending == PL_ENDING_OK) {
         r->done = step;
-        see_pairs(r, bodies);
-        see_step(r, seen);
+        take_step(r, seen);
         see_frame(r);
         ending = pl_check_bounds(r->view.scene, &r->view.scale, bodies, energy_gain(r), step,
                                  &r->reason);
@@ -191,7 +200,7 @@ pl_ending pl_referee_step(pl_referee *r, const pl_step_observation *seen, pl_err
 
 double pl_referee_penetration(const pl_referee *referee)
 {
-    return pl_touching_deepest(referee->view.touching);
+    return referee->view.touching->deepest;
 }
 
 /* ---- Metrics ---- */
@@ -199,14 +208,8 @@ double pl_referee_penetration(const pl_referee *referee)
 /* Why the contacts that the engine reported do not bear the metric out, if they do not. */
 static void judge_contacts(const pl_referee *r, int id, pl_metric *metric)
 {
-    const bool touched =
-        pl_metric_is(id, PL_TRAIT_STATIC_IMPULSES) && pl_touching_static(r->view.touching);
-    if (pl_metric_is(id, PL_TRAIT_STATIC_IMPULSES | PL_TRAIT_IMPULSES) &&
-        r->foreign_contact_step > 0 && metric->state != PL_METRIC_ABSENT) {
-        *metric =
-            pl_metric_failed("a contact reported at step %ld is between no bodies of the scene",
-                             r->foreign_contact_step);
-    } else if ((pl_metric_is(id, PL_TRAIT_IMPULSES) || touched) && r->has_points_alone) {
+    const bool touched = pl_metric_is(id, PL_TRAIT_STATIC_IMPULSES) && r->view.touching->met_static;
+    if ((pl_metric_is(id, PL_TRAIT_IMPULSES) || touched) && r->has_points_alone) {
         *metric = pl_metric_failed("the engine reports contact points without impulses");
     } else if (touched && r->no_contacts_step > 0) {
         *metric = pl_metric_failed(
@@ -215,18 +218,36 @@ static void judge_contacts(const pl_referee *r, int id, pl_metric *metric)
     }
 }
 
-/* Metrics of the modules. */
+/* That of the engine's integrator, if there are several. */
+static const pl_series *series_of(const pl_referee *r, int id)
+{
+    return &r->view.series[id][series_count(id) > 1 ? r->view.integrator : 0];
+}
+
+/* Whether a metric over steps has a value: one was seen, or none is 0. A metric of impulses has none when
+ * the engine kept those of a step to itself. */
+static bool applies(const pl_referee *r, int id)
+{
+    return (series_of(r, id)->count > 0 || r->view.series[id]->applies) &&
+           !(pl_metric_is(id, PL_TRAIT_IMPULSES) && r->no_contacts_step > 0);
+}
+
 static void collect(pl_referee *r, const char *residual_unit, pl_metric *item)
 {
-    const bool moves = r->view.scale.dynamic_count > 0;
-    r->view.residual_unit = residual_unit;
-    r->view.integrator = pl_integrator_of(pl_mechanics_votes(r->view.mechanics));
-    for (int i = 0; i < MODULE_COUNT; ++i) {
-        if (moves || modules[i]->needs_no_motion) {
-            modules[i]->collect(r->state[i], &r->view, item);
+    pl_run_view *view = &r->view;
+    view->residual_unit = residual_unit;
+    view->integrator = pl_integrator_of(pl_mechanics_votes(view->mechanics));
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+        if (series_count(id) > 0 && applies(r, id)) {
+            item[id] = pl_series_metric(series_of(r, id), pl_metric_table[id].traits);
         }
     }
-    for (int id = 0; moves && id < PL_METRIC_COUNT; ++id) {
+    for (int i = 0; i < MODULE_COUNT; ++i) {
+        if (is_used(r, modules[i]) && modules[i]->collect != NULL) {
+            modules[i]->collect(r->state[i], view, item);
+        }
+    }
+    for (int id = 0; view->scale.dynamic_count > 0 && id < PL_METRIC_COUNT; ++id) {
         judge_contacts(r, id, &item[id]);
     }
 }
@@ -275,7 +296,7 @@ static pl_ending final_ending(const pl_referee *r, pl_note *note, pl_error *erro
     }
     note->text[0] = '\0';
     return ended_early(r) ? r->ended
-                          : pl_standing_judge(r->standing, r->pairs, r->last, note, error);
+                          : pl_standing_judge(r->view.scene, r->pairs, r->last, note, error);
 }
 
 pl_ending pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metrics *metrics,
@@ -283,12 +304,12 @@ pl_ending pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metrics
 {
     *metrics = (pl_metrics){0};
     pl_metric *item = metrics->item;
-    pl_reference_metrics(r->values, r->last, pl_mechanics_votes(r->view.mechanics), item);
+    pl_reference_metrics(r->view.values, r->last, item);
     collect(r, residual_unit, item);
     withdraw_after_early_end(r, item);
     pl_chaotic_metrics(r->view.scene, item);
     if (!ended_early(r)) {
-        pl_expectations_judge(r->values, r->last, item, &metrics->deviations);
+        pl_expectations_judge(r->view.scene, r->view.values, r->last, item, &metrics->deviations);
     }
     item[PL_METRIC_REFERENCE_ERROR] = reference_metric(r, item);
     return final_ending(r, note, error);

@@ -6,45 +6,24 @@
 #ifndef PLUMB_REFEREE_H
 #define PLUMB_REFEREE_H
 
-#include "base/thread_pool.h"
-#include "plumb/contact_times.h"
-#include "plumb/scene.h"
-#include "referee/metrics/integrator.h"
-#include "referee/metrics/metrics.h"
+#include "referee/metrics/mechanics.h"
 
 /* A referee of one run. */
 typedef struct pl_referee pl_referee;
 
-/* `scene` must outlive the referee. The caller frees it by pl_referee_destroy. */
-pl_referee *pl_referee_create(const pl_scene *scene);
+/* Up to `threads` threads share the work on a frame, 1 or fewer: one; the results do not depend on them.
+ * `scene` must outlive the referee. The caller frees it by pl_referee_destroy. */
+pl_referee *pl_referee_create(const pl_scene *scene, int threads);
 /* Frees the referee; NULL is allowed. */
 void pl_referee_destroy(pl_referee *referee);
 
-/* Sets what the engine declares, by which its frames are judged; one sub-step and doubles unless
- * this is called, before pl_referee_start. */
-void pl_referee_set_engine(pl_referee *referee, const pl_referee_engine *engine);
+/* Takes the state before the first step, and what the engine declares, by which its frames are judged. */
+pl_ending pl_referee_start(pl_referee *referee, const pl_referee_engine *engine,
+                           const pl_frame *frame);
 
-/* Sets the threads that share the work on a frame; NULL, as at first: one. The results do not depend
- * on them. `pool` is the caller's. */
-void pl_referee_set_threads(pl_referee *referee, pl_thread_pool *pool);
-
-/* Takes the state before the first step. */
-pl_ending pl_referee_start(pl_referee *referee, const pl_frame *frame);
-
-/* What is known of a step. */
-typedef struct pl_step_observation {
-    const pl_frame *frame;      /* after the step */
-    const pl_step_stats *stats; /* NULL if the engine reports none */
-    const pl_contact *contacts; /* of this step; NULL with contact_count < 0 if not reported */
-    int contact_count;
-    const pl_contact_time *contact_times; /* (contact_count); NULL: over the whole step */
-    double cpu_time;                      /* of the process, for the step call alone, s */
-    bool has_points_alone; /* the engine reported contact points, and not their impulses */
-} pl_step_observation;
-
-/* Takes a step. Returns PL_ENDING_NONFINITE or PL_ENDING_DIVERGED from the frame on that shows
+/* Takes a step, without its number, `before` and `repeats`. Returns PL_ENDING_NONFINITE or PL_ENDING_DIVERGED from the frame on that shows
  * it, with the reason in `error` (NULL allowed). */
-pl_ending pl_referee_step(pl_referee *referee, const pl_step_observation *seen, pl_error *error);
+pl_ending pl_referee_step(pl_referee *referee, const pl_step *seen, pl_error *error);
 
 /* The deepest overlap of the last frame, m. */
 double pl_referee_penetration(const pl_referee *referee);
@@ -54,7 +33,7 @@ double pl_referee_penetration(const pl_referee *referee);
  * state are PL_METRIC_FAILED with the reason "the run ended at step N of M", maxima and means are
  * over the steps so far, and the ending is the one that ended the run, with its reason
  * (PL_ENDING_OK if the referee did not end it). residual_unit is as in pl_engine, and *metrics
- * points to it. *note says how bodies have moved that stand, see metrics/standing.h. */
+ * points to it. *note says how bodies have moved that stand, see pl_standing_judge. */
 pl_ending pl_referee_finish(pl_referee *referee, const char *residual_unit, pl_metrics *metrics,
                             pl_note *note, pl_error *error);
 

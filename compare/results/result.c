@@ -2,8 +2,8 @@
 #include "result.h"
 
 #include "base/heap.h"
+#include "base/parallel.h"
 #include "base/program_name.h"
-#include "base/thread_pool.h"
 
 #include <limits.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 #include "execute.h"
 
 #include "base/heap.h"
-#include "base/thread_pool.h"
+#include "base/parallel.h"
 #include "isolated_run.h"
 #include "progress.h"
 #include "recording.h"

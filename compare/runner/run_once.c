@@ -31,7 +31,6 @@ typedef struct run {
     const pl_run_def *def;
     pl_session session;
     pl_referee *referee;
-    pl_thread_pool *pool; /* sleeps while the engine is called */
     pl_frame frame, good;
     bool has_good;
     pl_contact *contacts;
@@ -157,11 +156,8 @@ static pl_status prepare(run *r, pl_error *error)
     if (r->contacts == NULL) {
         pl_out_of_memory();
     }
-    r->referee = pl_referee_create(scene);
-    if (scene->body_count >= MANY_BODIES) {
-        r->pool = pl_thread_pool_create(r->def->referee_threads);
-        pl_referee_set_threads(r->referee, r->pool);
-    }
+    r->referee =
+        pl_referee_create(scene, scene->body_count >= MANY_BODIES ? r->def->referee_threads : 1);
     pl_state_hashes_create(scene, &r->hashes);
     pl_status status = r->def->trajectory != NULL ? write_header(r->def->trajectory, error) : PL_OK;
     if (status == PL_OK && r->def->positions != NULL) {
@@ -235,10 +231,9 @@ static pl_status begin(run *r, pl_run_result *result, bool *going, pl_error *err
         return PL_OK;
     }
     const pl_referee_engine engine = {result->substeps, def->choice->engine->precision};
-    pl_referee_set_engine(r->referee, &engine);
     read_frame(r, 0);
     enter(def->watch, PL_STAGE_JUDGE);
-    if (pl_referee_start(r->referee, &r->frame) == PL_ENDING_NONFINITE) {
+    if (pl_referee_start(r->referee, &engine, &r->frame) == PL_ENDING_NONFINITE) {
         pl_fail(&fault, PL_FAILED, "not finite before the first step");
         set_outcome(result, PL_OUTCOME_NONFINITE, &fault);
         return PL_OK;
@@ -309,13 +304,13 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
     enter(def->watch, PL_STAGE_JUDGE);
     const bool has_impulses =
         count >= 0 && (r->session.loaded.table.contacts & PL_CONTACTS_IMPULSES) != 0;
-    const pl_step_observation seen = {.frame = &r->frame,
-                                      .stats = &stats,
-                                      .contacts = has_impulses ? r->contacts : NULL,
-                                      .contact_count = has_impulses ? count : -1,
-                                      .contact_times = has_impulses && has_times ? r->times : NULL,
-                                      .has_points_alone = !has_impulses && count > 0,
-                                      .cpu_time = cost.cpu_time};
+    const pl_step seen = {.after = r->frame.bodies,
+                          .stats = &stats,
+                          .contacts = has_impulses ? r->contacts : NULL,
+                          .contact_count = has_impulses ? count : -1,
+                          .times = has_impulses && has_times ? r->times : NULL,
+                          .has_points_alone = !has_impulses && count > 0,
+                          .cpu_time = cost.cpu_time};
     pl_ending ending = pl_referee_step(r->referee, &seen, &fault);
     status = record_frame(r, result->steps_done, &stats, count, error);
     if (ending == PL_ENDING_NONFINITE || ending == PL_ENDING_DIVERGED) {
@@ -449,7 +444,6 @@ cleanup:
     pl_positions_end(&r.positions);
     pl_recorder_end(&r.recorder);
     pl_referee_destroy(r.referee);
-    pl_thread_pool_destroy(r.pool);
     free(r.frame.bodies);
     free(r.good.bodies);
     free(r.contacts);

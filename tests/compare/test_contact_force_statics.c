@@ -20,6 +20,7 @@ typedef struct stand {
     pl_contact *contacts;
     int count, capacity;
     pl_arena arena;
+    pl_run_view view;
     void *force; /* the state of pl_contact_force_module */
     long steps;
 } stand;
@@ -46,7 +47,9 @@ static void stand_begin(stand *s, const char *scenario, const char *const *setti
     s->before = calloc((size_t)s->scene.body_count, sizeof *s->before);
     s->capacity = 64 * s->scene.body_count;
     s->contacts = calloc((size_t)s->capacity, sizeof *s->contacts);
-    s->force = pl_contact_force_module.create(&s->scene, &s->arena);
+    s->view.scene = &s->scene;
+    pl_make_series(&s->view, &s->arena);
+    s->force = pl_contact_force_module.create(&s->view, &s->arena);
     assert_true(s->frame.bodies != NULL && s->before != NULL && s->contacts != NULL &&
                 s->force != NULL);
     s->session = pl_session_begin(&s->choice);
@@ -64,23 +67,20 @@ static void stand_step(stand *s)
     assert_int_equal(
         pl_session_read_contacts(&s->session, &s->contacts, &s->capacity, &s->count, NULL), PL_OK);
     s->steps += 1;
-    const pl_run_view view = {.scene = &s->scene,
-                              .step = {.number = s->steps,
-                                       .before = s->before,
-                                       .after = s->frame.bodies,
-                                       .contacts = s->contacts,
-                                       .contact_count = s->count}};
-    pl_contact_force_module.see(s->force, &view);
+    s->view.step = (pl_step){.number = s->steps,
+                             .before = s->before,
+                             .after = s->frame.bodies,
+                             .contacts = s->contacts,
+                             .contact_count = s->count};
+    pl_contact_force_module.see(s->force, &s->view);
 }
 
 /* Over all steps. The integrator does not matter, because no force turns. */
 static double stand_balance(const stand *s)
 {
-    pl_metrics metrics = {.item = {{0}}};
-    pl_contact_force_module.collect(s->force, &(pl_run_view){.integrator = PL_SEMI_IMPLICIT},
-                                    metrics.item);
-    assert_int_equal(metrics.item[PL_METRIC_FORCE_BALANCE].state, PL_METRIC_VALUE);
-    return metrics.item[PL_METRIC_FORCE_BALANCE].value;
+    const pl_series *balance = &s->view.series[PL_METRIC_FORCE_BALANCE][PL_SEMI_IMPLICIT];
+    assert_int_equal(balance->count, s->steps);
+    return balance->max;
 }
 
 static void stand_end(stand *s)

@@ -28,7 +28,7 @@ static void join_at_random(check_random *random, bool joined[COUNT][COUNT], pl_t
     for (int i = 0; i < COUNT / 3; ++i) {
         int a = (int)check_uniform(random, 0, COUNT), b = (int)check_uniform(random, 0, COUNT);
         joined[a][b] = joined[b][a] = true;
-        const pl_near_pair pair = {.a = a, .b = b, .gap = 1, .meets = true};
+        const pl_near_pair pair = {.a = a, .b = b, .gap = 1};
         pl_touching_see(touching, &pair);
     }
 }
@@ -45,7 +45,9 @@ static void test_islands_are_joined_over_two_frames(void **state)
         assert_int_equal(pl_scene_add_body(&scene, &body, NULL, NULL), PL_OK);
     }
     pl_arena arena = {0};
-    pl_touching *touching = pl_touching_create(&scene, &arena);
+    pl_series depths;
+    pl_series_init(&depths, &arena);
+    pl_touching *touching = pl_touching_create(&scene, &depths, &arena);
     static bool frames[2][COUNT][COUNT];
     static bool joined[COUNT][COUNT];
     for (int frame = 0; frame < 200; ++frame) {
@@ -91,7 +93,9 @@ static void test_unknown_gap_fails_penetration_from_any_step(void **state)
         pl_arena arena = {0};
         pl_metric item[PL_METRIC_COUNT];
         char reason[64];
-        pl_touching *touching = pl_touching_create(&scene, &arena);
+        pl_series depths;
+        pl_series_init(&depths, &arena);
+        pl_touching *touching = pl_touching_create(&scene, &depths, &arena);
         for (long step = 0; step < 4; ++step) {
             const pl_near_pair pair = {
                 .a = 0, .b = 1, .status = step < first ? PL_OK : PL_FAILED, .gap = -1};
@@ -99,8 +103,8 @@ static void test_unknown_gap_fails_penetration_from_any_step(void **state)
             pl_touching_see(touching, &pair);
             pl_touching_end(touching);
         }
-        const pl_run_view view = {.scene = &scene, .touching = touching};
-        pl_touching_module.collect(NULL, &view, item);
+        const pl_run_view view = {.scene = &scene};
+        pl_touching_module.collect(touching, &view, item);
         snprintf(reason, sizeof reason, "no gap found for \"a\" and \"b\" at step %ld", first);
         assert_int_equal(item[PL_METRIC_PENETRATION_MAX].state, PL_METRIC_FAILED);
         assert_int_equal(item[PL_METRIC_PENETRATION_REST].state, PL_METRIC_FAILED);

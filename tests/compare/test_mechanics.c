@@ -330,22 +330,6 @@ static void test_contact_torques_of_static_bodies_slow_a_spin(void **state)
     }
 }
 
-static void test_contact_of_unknown_body_fails_momentum_only(void **state)
-{
-    (void)state;
-    run r;
-    run_prepare_box_on_floor(&r, 1);
-    run_begin(&r);
-    const pl_contact contact = {.body_a = 0, .body_b = 2};
-    assert_int_equal(run_step_with(&r, &contact, 1), PL_ENDING_OK);
-    run_step_many(&r, 63);
-    assert_int_equal(run_finish(&r), PL_ENDING_OK);
-    assert_int_equal(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->state, PL_METRIC_FAILED);
-    assert_contains(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->reason, "step 1");
-    assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 0, 0, 0);
-    run_end(&r);
-}
-
 static void test_nan_impulse_fails_the_momentum_error(void **state)
 {
     (void)state;
@@ -490,7 +474,6 @@ int main(void)
         cmocka_unit_test(test_contact_impulses_of_static_bodies_balance_the_weight),
         cmocka_unit_test(test_contact_torques_of_static_bodies_slow_a_spin),
         cmocka_unit_test(test_impulse_within_a_step_keeps_angular_momentum),
-        cmocka_unit_test(test_contact_of_unknown_body_fails_momentum_only),
         cmocka_unit_test(test_nan_impulse_fails_the_momentum_error),
         cmocka_unit_test(test_long_fall_is_no_divergence),
     };

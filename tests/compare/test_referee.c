@@ -60,11 +60,10 @@ static void test_points_without_impulses_are_the_reason(void **state)
         run_prepare_box_on_floor(&r, 1);
         run_begin(&r);
         for (int k = 0; k < 64; ++k) {
-            pl_frame frame = run_frame(&r);
-            const pl_step_observation seen = {.frame = &frame,
-                                              .stats = &r.stats,
-                                              .contact_count = -1,
-                                              .has_points_alone = points == 1};
+            const pl_step seen = {.after = r.state,
+                                  .stats = &r.stats,
+                                  .contact_count = -1,
+                                  .has_points_alone = points == 1};
             assert_int_equal(pl_referee_step(r.referee, &seen, NULL), PL_ENDING_OK);
         }
         assert_int_equal(run_finish(&r), PL_ENDING_OK);
@@ -128,7 +127,7 @@ static void test_run_that_starts_with_nan_has_no_metrics(void **state)
     run_begin(&r);
     r.state[1].position[0] = nan("");
     pl_frame frame = run_frame(&r);
-    assert_int_equal(pl_referee_start(r.referee, &frame), PL_ENDING_NONFINITE);
+    assert_int_equal(pl_referee_start(r.referee, &r.engine, &frame), PL_ENDING_NONFINITE);
     assert_int_equal(run_finish(&r), PL_ENDING_NONFINITE);
     assert_contains(r.error.message, "step 0");
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {

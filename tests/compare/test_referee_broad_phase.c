@@ -90,7 +90,7 @@ static void test_broad_phase_finds_every_touching_pair_once(void **state)
             bool has_margin = frame % 2 == 1 && !scene.bodies[i].is_static;
             margin[i] = has_margin ? check_uniform(&random, 0, 0.3) : 0;
         }
-        pl_broad_phase_follow(broad_phase, bodies, frame % 2 == 1 ? margin : NULL, NULL);
+        pl_broad_phase_follow(broad_phase, bodies, frame % 2 == 1 ? margin : NULL);
         pl_broad_phase_see(broad_phase, 0, pl_broad_phase_rows(broad_phase), count_pair, &t);
         for (int a = 0; a < CROWD; ++a) {
             for (int b = a + 1; b < CROWD; ++b) {
@@ -143,7 +143,7 @@ static void test_broad_phase_keeps_pairs_that_just_touch(void **state)
     pl_broad_phase *broad_phase = pl_broad_phase_create(&r.scene, &arena);
     assert_non_null(broad_phase);
     static tally t;
-    pl_broad_phase_follow(broad_phase, r.state, NULL, NULL);
+    pl_broad_phase_follow(broad_phase, r.state, NULL);
     pl_broad_phase_see(broad_phase, 0, pl_broad_phase_rows(broad_phase), count_pair, &t);
     for (int i = 0; i + 1 < MOST_BODIES; ++i) {
         assert_int_equal(t.seen[i][i + 1], 1);
@@ -231,7 +231,7 @@ static void test_broad_phase_finds_pairs_of_wide_scenes(void **state)
     int touching = 0;
     for (int frame = 0; frame < 3; ++frame) {
         memset(&t, 0, sizeof t);
-        pl_broad_phase_follow(broad_phase, s.states, NULL, NULL);
+        pl_broad_phase_follow(broad_phase, s.states, NULL);
         pl_broad_phase_see(broad_phase, 0, pl_broad_phase_rows(broad_phase), count_wide, &t);
         for (int a = 0; a < MANY; ++a) {
             for (int b = a + 1; b < MANY; ++b) {
@@ -255,14 +255,20 @@ static void place_in_lattice(void *context, int i, double *x)
     x[2] = 0.25 * (i / side / side); /* NOLINT(bugprone-integer-division): a layer */
 }
 
+static void count_nothing(void *context, int a, int b)
+{
+    (void)context, (void)a, (void)b;
+}
+
 /* The boxes that are compared in a cubic lattice of spheres that nearly touch. */
 static long cost_of_lattice(int side)
 {
     spheres s = make_spheres(side * side * side, 0.1, place_in_lattice, &side);
     pl_broad_phase *broad_phase = pl_broad_phase_create(&s.scene, &s.arena);
     assert_non_null(broad_phase);
-    pl_broad_phase_follow(broad_phase, s.states, NULL, NULL);
-    const long cost = pl_broad_phase_cost(broad_phase);
+    pl_broad_phase_follow(broad_phase, s.states, NULL);
+    const long cost =
+        pl_broad_phase_see(broad_phase, 0, pl_broad_phase_rows(broad_phase), count_nothing, NULL);
     free_spheres(&s);
     return cost;
 }
@@ -325,11 +331,10 @@ static void test_candidate_pairs_are_the_same_for_any_threads(void **state)
         for (int i = 0; i < 3; ++i) {
             lists[i] = (pair_list){.pairs = calloc((size_t)MANY * MANY, sizeof *lists[i].pairs)};
             assert_non_null(lists[i].pairs);
-            pl_thread_pool *pool = pl_thread_pool_create(1 + i);
             pl_candidate_pairs *pairs = pl_candidate_pairs_create(&s->scene, &s->arena);
             assert_non_null(pairs);
-            pl_candidate_pairs_each(pairs, s->states, pool, list_pair, &lists[i]);
-            pl_thread_pool_destroy(pool);
+            pl_candidate_pairs_find(pairs, s->states, 1 + i, NULL, NULL);
+            pl_candidate_pairs_each(pairs, list_pair, &lists[i]);
         }
         assert_same_pairs(&lists[0], &lists[1]);
         assert_same_pairs(&lists[0], &lists[2]);

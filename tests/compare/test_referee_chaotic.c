@@ -1,6 +1,6 @@
 /* How chaotic scenes are judged: by overlap, energy, momentum and end statistics. */
 #include "check.h"
-#include "referee/metrics/chaotic.h"
+#include "referee/metrics/expectations.h"
 #include "referee/referee.h"
 #include "scenario_scene.h"
 
@@ -149,7 +149,7 @@ static void explosion(const pl_scene *scene, double time, pl_body_state *bodies)
 /* The chaotic error of a motion; HUGE_VAL where the run did not end well. */
 static double judge(const pl_scene *scene, motion moves)
 {
-    pl_referee *referee = pl_referee_create(scene);
+    pl_referee *referee = pl_referee_create(scene, 1);
     pl_metrics metrics;
     pl_body_state *bodies = calloc((size_t)scene->body_count, sizeof *bodies);
     assert_non_null(bodies);
@@ -159,10 +159,10 @@ static double judge(const pl_scene *scene, motion moves)
         memcpy(bodies[i].velocity, scene->bodies[i].velocity, sizeof bodies[i].velocity);
     }
     pl_frame frame = {.bodies = bodies};
-    pl_ending verdict = pl_referee_start(referee, &frame);
+    pl_ending verdict = pl_referee_start(referee, &(pl_referee_engine){0}, &frame);
     for (long step = 1; step <= pl_scene_steps(scene) && verdict == PL_ENDING_OK; ++step) {
         moves(scene, (double)step * scene->dt, bodies);
-        const pl_step_observation seen = {.frame = &frame, .contact_count = -1};
+        const pl_step seen = {.after = bodies, .contact_count = -1};
         verdict = pl_referee_step(referee, &seen, NULL);
     }
     pl_note note;

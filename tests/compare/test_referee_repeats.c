@@ -1,7 +1,7 @@
 /* A step that repeats the last one counts as any other. Runs whose steps repeat are compared with runs of
  * the same physics whose contacts change their order of bodies at every step. */
 #include "check.h"
-#include "referee/metrics/scale.h"
+#include "referee/metrics/mechanics.h"
 #include "synthetic_run.h"
 
 #include <math.h>

@@ -57,21 +57,19 @@ void run_begin(run *r)
         memcpy(r->state[i].velocity, body->velocity, sizeof body->velocity);
         memcpy(r->state[i].angular_velocity, body->angular_velocity, sizeof body->angular_velocity);
     }
-    r->referee = pl_referee_create(&r->scene);
-    pl_referee_set_engine(r->referee, &r->engine);
+    r->referee = pl_referee_create(&r->scene, 1);
     pl_frame frame = run_frame(r);
-    assert_int_equal(pl_referee_start(r->referee, &frame), PL_ENDING_OK);
+    assert_int_equal(pl_referee_start(r->referee, &r->engine, &frame), PL_ENDING_OK);
 }
 
 pl_ending run_step_with(run *r, const pl_contact *contacts, int count)
 {
-    pl_frame frame = run_frame(r);
     return pl_referee_step(r->referee,
-                           &(pl_step_observation){.frame = &frame,
-                                                  .stats = &r->stats,
-                                                  .contacts = contacts,
-                                                  .contact_count = count,
-                                                  .cpu_time = 1e-3},
+                           &(pl_step){.after = r->state,
+                                      .stats = &r->stats,
+                                      .contacts = contacts,
+                                      .contact_count = count,
+                                      .cpu_time = 1e-3},
                            &r->error);
 }
 

@@ -20,8 +20,7 @@ enum {
     MOST_SHARED = 128,  /* boxes that one box may find in its columns */
     MOST_COLUMNS = 64,  /* of a box that is looked up in its columns */
     COLUMN_ENTRIES = 8, /* in all columns, for each box */
-    MOST_SHIFTS = 16,   /* of an insertion sort, for each box */
-    PIECE = 512         /* boxes that are moved together */
+    MOST_SHIFTS = 16    /* of an insertion sort, for each box */
 };
 
 /* Coordinate 0 is along the sort axis, 1 and 2 are across. */
@@ -252,34 +251,18 @@ pl_broad_phase *pl_broad_phase_create(const pl_scene *scene, pl_arena *arena)
     return bp;
 }
 
-/* Boxes on their way to new poses. */
-typedef struct moving {
-    pl_broad_phase *broad_phase;
-    const pl_body_state *bodies;
-    const double *margin;
-} moving;
-
-static void move_boxes(void *context, int begin, int end)
+void pl_broad_phase_follow(pl_broad_phase *bp, const pl_body_state *bodies, const double *margin)
 {
-    const moving *to = context;
-    const pl_broad_phase *bp = to->broad_phase;
-    for (int i = begin; i < end; ++i) {
+    for (int i = 0; i < bp->box_count; ++i) {
         box *b = &bp->boxes[i];
         if (!b->is_static) {
-            const pl_body_state *state = &to->bodies[b->body];
+            const pl_body_state *state = &bodies[b->body];
             place_box(b, bp->axis, &bp->scene->bodies[b->body].shape, state->position,
-                      state->orientation, to->margin == NULL ? 0 : to->margin[b->body]);
+                      state->orientation, margin == NULL ? 0 : margin[b->body]);
         }
     }
-}
-
-void pl_broad_phase_follow(pl_broad_phase *broad_phase, const pl_body_state *bodies,
-                           const double *margin, pl_thread_pool *pool)
-{
-    pl_thread_pool_run(pool, broad_phase->box_count, PIECE, move_boxes,
-                       &(moving){broad_phase, bodies, margin});
-    restore_order(broad_phase->boxes, broad_phase->box_count);
-    fill_columns(broad_phase);
+    restore_order(bp->boxes, bp->box_count);
+    fill_columns(bp);
 }
 
 /* ---- Pairs ---- */
@@ -351,14 +334,14 @@ static int find_shared(const pl_broad_phase *bp, int index, int found[MOST_SHARE
     return count;
 }
 
-/* One row of box `index`: the pairs with the boxes that follow it. `see` may be NULL. */
+/* One row of box `index`: the pairs with the boxes that follow it. */
 static void see_box(const pl_broad_phase *bp, int index,
                     void (*see)(void *context, int body_a, int body_b), void *context, long *cost)
 {
     int found[MOST_SHARED];
     const box *a = &bp->boxes[index];
     const int count = find_shared(bp, index, found, cost);
-    for (int i = 0; i < count && see != NULL; ++i) {
+    for (int i = 0; i < count; ++i) {
         see(context, a->body, bp->boxes[found[i]].body);
     }
     for (int i = index + 1; count < 0 && i < bp->box_count; ++i) {
@@ -367,7 +350,7 @@ static void see_box(const pl_broad_phase *bp, int index,
         if (b->low[0] > a->high[0]) {
             break;
         }
-        if (overlap(a, b) && see != NULL) {
+        if (overlap(a, b)) {
             see(context, a->body, b->body);
         }
     }
@@ -385,32 +368,23 @@ static bool reaches_plane(const pl_broad_phase *bp, long plane, const box *b)
     return !(lowest > 0);
 }
 
-long pl_broad_phase_rows(const pl_broad_phase *broad_phase)
+long pl_broad_phase_rows(const pl_broad_phase *bp)
 {
-    return (long)broad_phase->box_count * (1 + broad_phase->plane_count);
+    return (long)bp->box_count * (1 + bp->plane_count);
 }
 
-void pl_broad_phase_see(const pl_broad_phase *broad_phase, long begin, long end,
+long pl_broad_phase_see(const pl_broad_phase *bp, long begin, long end,
                         void (*see)(void *context, int body_a, int body_b), void *context)
 {
     long cost = 0;
     for (long row = begin; row < end; ++row) {
-        const int index = (int)(row % broad_phase->box_count);
-        const long plane = row / broad_phase->box_count - 1;
+        const int index = (int)(row % bp->box_count);
+        const long plane = row / bp->box_count - 1;
         if (plane < 0) {
-            see_box(broad_phase, index, see, context, &cost);
-        } else if (!broad_phase->boxes[index].is_static &&
-                   reaches_plane(broad_phase, plane, &broad_phase->boxes[index])) {
-            see(context, broad_phase->planes[plane], broad_phase->boxes[index].body);
+            see_box(bp, index, see, context, &cost);
+        } else if (!bp->boxes[index].is_static && reaches_plane(bp, plane, &bp->boxes[index])) {
+            see(context, bp->planes[plane], bp->boxes[index].body);
         }
-    }
-}
-
-long pl_broad_phase_cost(const pl_broad_phase *broad_phase)
-{
-    long cost = 0;
-    for (int i = 0; i < broad_phase->box_count; ++i) {
-        see_box(broad_phase, i, NULL, NULL, &cost);
     }
     return cost;
 }

@@ -10,12 +10,11 @@
  * The first term is for bodies at rest, which engines keep a little apart. */
 #include "candidate_pairs.h"
 
+#include "base/parallel.h"
 #include "box_sweep.h"
 #include "gap.h"
 #include "solid.h"
 
-#include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- Surfaces ---- */
@@ -26,35 +25,11 @@ static bool has_surface(const pl_shape *shape)
            shape->kind == PL_SHAPE_HULL || shape->kind == PL_SHAPE_MESH;
 }
 
-/* A body's shape, to be sorted. */
-typedef struct shape_of_body {
-    const pl_shape *shape;
-    int body;
-} shape_of_body;
-
-static int compare_numbers(double a, double b)
+static bool same_surface(const pl_shape *a, const pl_shape *b)
 {
-    return (a > b) - (a < b);
-}
-
-/* 0 for shapes that have the same surface. */
-static int compare_surfaces(const pl_shape *a, const pl_shape *b)
-{
-    int order = (a->kind > b->kind) - (a->kind < b->kind);
-    if (order == 0) {
-        const uintptr_t p = (uintptr_t)a->polyhedron, q = (uintptr_t)b->polyhedron;
-        order = (p > q) - (p < q);
-    }
-    order = order == 0 ? compare_numbers(a->half_height, b->half_height) : order;
-    for (int k = 0; k < 3 && order == 0; ++k) {
-        order = compare_numbers(a->half_extents[k], b->half_extents[k]);
-    }
-    return order;
-}
-
-static int compare_shapes(const void *a, const void *b)
-{
-    return compare_surfaces(((const shape_of_body *)a)->shape, ((const shape_of_body *)b)->shape);
+    return a->kind == b->kind && a->polyhedron == b->polyhedron &&
+           a->half_height == b->half_height &&
+           memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0;
 }
 
 /* Makes the surfaces, (body_count), that bodies need to be measured against meshes. Equal shapes
@@ -65,22 +40,19 @@ static void make_surfaces(const pl_scene *scene, pl_arena *arena, const pl_surfa
     for (int i = 0; i < scene->body_count; ++i) {
         any_mesh = any_mesh || scene->bodies[i].shape.kind == PL_SHAPE_MESH;
     }
-    if (!any_mesh) {
-        return;
-    }
-    shape_of_body *list = pl_arena_take(arena, (size_t)scene->body_count, sizeof *list);
-    int count = 0;
-    for (int i = 0; i < scene->body_count; ++i) {
-        if (has_surface(&scene->bodies[i].shape)) {
-            list[count++] = (shape_of_body){&scene->bodies[i].shape, i};
+    int *firsts = pl_arena_take(arena, (size_t)scene->body_count, sizeof *firsts);
+    int count = 0; /* of different surfaces */
+    for (int i = 0; i < scene->body_count && any_mesh; ++i) {
+        const pl_shape *shape = &scene->bodies[i].shape;
+        int k = has_surface(shape) ? 0 : count;
+        while (k < count && !same_surface(&scene->bodies[firsts[k]].shape, shape)) {
+            ++k;
         }
-    }
-    qsort(list, (size_t)count, sizeof *list, compare_shapes);
-    for (int i = 0; i < count; ++i) {
-        if (i > 0 && compare_surfaces(list[i - 1].shape, list[i].shape) == 0) {
-            surfaces[list[i].body] = surfaces[list[i - 1].body];
-        } else {
-            surfaces[list[i].body] = pl_surface_create(list[i].shape, arena);
+        if (k < count) {
+            surfaces[i] = surfaces[firsts[k]];
+        } else if (has_surface(shape)) {
+            surfaces[i] = pl_surface_create(shape, arena);
+            firsts[count++] = i;
         }
     }
 }
@@ -90,18 +62,16 @@ static void make_surfaces(const pl_scene *scene, pl_arena *arena, const pl_surfa
 static const double RESTING_GAP = 1e-3; /* of the smaller bounding radius */
 
 enum {
-    PIECES = 64,     /* that are worked on together */
-    MOST_ROWS = 256, /* of the broad phase in a piece */
-    ROW_PAIRS = 8    /* that fit into a piece, for each row */
+    PIECES = 64,  /* of a frame, for the threads */
+    ROW_PAIRS = 8 /* for each row of the broad phase: room to begin with */
 };
 
-/* Some rows of the broad phase and their pairs. */
+/* The pairs of some rows of the broad phase. */
 typedef struct pair_piece {
-    pl_near_pair *pairs; /* (ROW_PAIRS x rows_per_piece) */
-    int count;
-    long begin, end; /* rows */
-    long next;       /* rows before it are in `pairs`; the others did not fit */
-    bool full;
+    long begin, end;     /* rows */
+    pl_near_pair *pairs; /* (capacity) */
+    int count;           /* of all pairs, also of those for which there is no room */
+    int capacity;
 } pair_piece;
 
 struct pl_candidate_pairs {
@@ -110,39 +80,14 @@ struct pl_candidate_pairs {
     const pl_surface **surfaces; /* (body_count): NULL where none is needed */
     double *radius;              /* (body_count): bounding radii, m */
     double *margin; /* (body_count), m: a pair that meets has at most the sum of both as its gap */
-    int rows_per_piece;
     pair_piece pieces[PIECES];
     pl_arena *arena;
-    pl_body_state *bodies; /* (body_count): the last frame */
-    pl_near_pair *seen;    /* (seen_count of seen_capacity): its pairs, in their order */
-    int seen_count, seen_capacity;
-    bool has_seen; /* there is a last frame */
-};
-
-/* One frame. */
-typedef struct frame {
-    pl_candidate_pairs *pairs;
-    const pl_body_state *bodies;
-    void (*see)(void *context, const pl_near_pair *pair);
+    pl_body_state
+        *bodies; /* (body_count): the frame, but static bodies stay where the scene has them */
+    bool has_frame;
+    void (*meanwhile)(void *context);
     void *context;
-} frame;
-
-/* A piece of a frame, at work. */
-typedef struct piece_of_frame {
-    const frame *frame;
-    pair_piece *piece;
-} piece_of_frame;
-
-/* Divides the rows into the pieces. They are as small as there are rows for all. */
-static void make_pieces(pl_candidate_pairs *p, pl_arena *arena)
-{
-    const long rows = (pl_broad_phase_rows(p->broad_phase) + PIECES - 1) / PIECES;
-    p->rows_per_piece = rows < 1 ? 1 : rows < MOST_ROWS ? (int)rows : MOST_ROWS;
-    for (int i = 0; i < PIECES; ++i) {
-        p->pieces[i].pairs =
-            pl_arena_take(arena, ROW_PAIRS * (size_t)p->rows_per_piece, sizeof *p->pieces[i].pairs);
-    }
-}
+};
 
 pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *arena)
 {
@@ -157,193 +102,164 @@ pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *a
                               .bodies = pl_arena_take(arena, count, sizeof *p->bodies)};
     make_surfaces(scene, arena, p->surfaces);
     for (int i = 0; i < scene->body_count; ++i) {
-        p->radius[i] = pl_bounding_radius(&scene->bodies[i].shape);
+        const pl_body *body = &scene->bodies[i];
+        p->radius[i] = pl_bounding_radius(&body->shape);
+        if (body->is_static) {
+            memcpy(p->bodies[i].position, body->position, sizeof body->position);
+            memcpy(p->bodies[i].orientation, body->orientation, sizeof body->orientation);
+        }
     }
-    make_pieces(p, arena);
+    const long rows = pl_broad_phase_rows(p->broad_phase);
+    for (int i = 0; i < PIECES; ++i) {
+        pair_piece *piece = &p->pieces[i];
+        piece->begin = rows * i / PIECES;
+        piece->end = rows * (i + 1) / PIECES;
+        pl_arena_reserve(arena, &piece->pairs, &piece->capacity,
+                         ROW_PAIRS * (int)(piece->end - piece->begin), sizeof *piece->pairs);
+    }
     return p;
 }
 
-/* Static bodies are where the scene has them, whatever the engine reports. */
-static pl_placed_shape place(const frame *f, int body)
+static pl_placed_shape place(const pl_candidate_pairs *p, int body)
 {
-    const pl_body *b = &f->pairs->scene->bodies[body];
-    const pl_body_state *state = &f->bodies[body];
-    pl_placed_shape placed = {.shape = &b->shape, .surface = f->pairs->surfaces[body]};
-    memcpy(placed.position, b->is_static ? b->position : state->position, sizeof placed.position);
-    memcpy(placed.orientation, b->is_static ? b->orientation : state->orientation,
-           sizeof placed.orientation);
+    const pl_body_state *state = &p->bodies[body];
+    pl_placed_shape placed = {.shape = &p->scene->bodies[body].shape, .surface = p->surfaces[body]};
+    memcpy(placed.position, state->position, sizeof placed.position);
+    memcpy(placed.orientation, state->orientation, sizeof placed.orientation);
     return placed;
 }
 
-/* Static bodies do not move either. */
-static pl_vec velocity_of(const frame *f, int body)
+static double turning_speed(const pl_candidate_pairs *p, int body)
 {
-    const bool is_static = f->pairs->scene->bodies[body].is_static;
-    return is_static ? (pl_vec){0, 0, 0} : pl_vec_of(f->bodies[body].velocity);
+    return p->radius[body] * pl_vec_length(pl_vec_of(p->bodies[body].angular_velocity));
 }
 
-static double turning_speed(const frame *f, int body)
+static pl_vec centre_of(const pl_candidate_pairs *p, int body)
 {
-    const bool is_static = f->pairs->scene->bodies[body].is_static;
-    const double spin = pl_vec_length(pl_vec_of(f->bodies[body].angular_velocity));
-    return is_static ? 0 : f->pairs->radius[body] * spin;
+    return pl_state_centre(&p->scene->bodies[body], &p->bodies[body]);
 }
 
-static pl_vec centre_of(const frame *f, int body)
+static bool is_far(const pl_candidate_pairs *p, int a, int b)
 {
-    return pl_state_centre(&f->pairs->scene->bodies[body], &f->bodies[body]);
-}
-
-static bool is_far(const frame *f, int a, int b)
-{
-    const pl_candidate_pairs *p = f->pairs;
-    pl_vec c = pl_vec_sub(centre_of(f, a), centre_of(f, b));
+    pl_vec c = pl_vec_sub(centre_of(p, a), centre_of(p, b));
     return pl_vec_length(c) > p->radius[a] + p->radius[b] + p->margin[a] + p->margin[b];
 }
 
 /* The largest gap at which two bodies meet, m. A plane has no size, and its partner's counts. */
-static double meeting_gap(const frame *f, int a, int b)
+static double meeting_gap(const pl_candidate_pairs *p, int a, int b)
 {
-    const pl_candidate_pairs *p = f->pairs;
     const double size = fmin(p->radius[a] > 0 ? p->radius[a] : HUGE_VAL,
                              p->radius[b] > 0 ? p->radius[b] : HUGE_VAL);
-    const double speed = pl_vec_length(pl_vec_sub(velocity_of(f, a), velocity_of(f, b))) +
-                         turning_speed(f, a) + turning_speed(f, b);
+    const pl_vec apart =
+        pl_vec_sub(pl_vec_of(p->bodies[a].velocity), pl_vec_of(p->bodies[b].velocity));
+    const double speed = pl_vec_length(apart) + turning_speed(p, a) + turning_speed(p, b);
     return RESTING_GAP * size + p->scene->dt * speed;
 }
 
-/* Whether the pair may meet or touch; it then gets its gap. */
-static bool is_near(const frame *f, int a, int b, pl_near_pair *pair)
+/* Whether the pair meets; it then gets its gap. */
+static bool meet(const pl_candidate_pairs *p, int a, int b, pl_near_pair *pair)
 {
-    const pl_body *bodies = f->pairs->scene->bodies;
-    if (!bodies[a].is_static && !bodies[b].is_static && is_far(f, a, b)) {
+    const pl_body *bodies = p->scene->bodies;
+    if (!bodies[a].is_static && !bodies[b].is_static && is_far(p, a, b)) {
         return false;
     }
-    const double within = meeting_gap(f, a, b);
-    pl_placed_shape placed_a = place(f, a), placed_b = place(f, b);
+    const double within = meeting_gap(p, a, b);
+    pl_placed_shape placed_a = place(p, a), placed_b = place(p, b);
     *pair = (pl_near_pair){.a = a, .b = b};
     pair->status = pl_gap(&placed_a, &placed_b, within, &pair->gap);
-    pair->meets = !(pair->status == PL_OK && pair->gap > within);
-    return true;
+    return !(pair->status == PL_OK && pair->gap > within);
 }
+
+/* A piece at work. */
+typedef struct piece_work {
+    const pl_candidate_pairs *pairs;
+    pair_piece *piece;
+} piece_work;
 
 static void keep_pair(void *context, int a, int b)
 {
-    const piece_of_frame *work = context;
-    pair_piece *piece = work->piece;
-    if (piece->count == ROW_PAIRS * work->frame->pairs->rows_per_piece) {
-        piece->full = true;
-    } else if (is_near(work->frame, a, b, &piece->pairs[piece->count])) {
-        piece->count += 1;
-    }
-}
-
-/* Keeps the pairs of a piece as long as those of whole rows fit. */
-static void fill_piece(const frame *f, pair_piece *piece)
-{
-    piece_of_frame work = {f, piece};
-    piece->count = 0;
-    piece->full = false;
-    for (piece->next = piece->begin; piece->next < piece->end; ++piece->next) {
-        const int before = piece->count;
-        pl_broad_phase_see(f->pairs->broad_phase, piece->next, piece->next + 1, keep_pair, &work);
-        if (piece->full) {
-            piece->count = before;
-            return;
-        }
-    }
-}
-
-static void fill_pieces(void *context, int begin, int end)
-{
-    const frame *f = context;
-    for (int i = begin; i < end; ++i) {
-        fill_piece(f, &f->pairs->pieces[i]);
-    }
-}
-
-/* The memory of smaller arrays is the arena's until its end. */
-static void reserve_seen(pl_candidate_pairs *p)
-{
-    if (p->seen_count < p->seen_capacity) {
-        return;
-    }
-    const int capacity = 2 * p->seen_capacity + PIECES;
-    pl_near_pair *seen = pl_arena_take(p->arena, (size_t)capacity, sizeof *seen);
-    if (p->seen_count > 0) {
-        memcpy(seen, p->seen, (size_t)p->seen_count * sizeof *seen);
-    }
-    p->seen = seen;
-    p->seen_capacity = capacity;
-}
-
-/* Hands a pair out, and keeps it for a frame that is the same. */
-static void hand_out(const frame *f, const pl_near_pair *pair)
-{
-    pl_candidate_pairs *p = f->pairs;
-    reserve_seen(p);
-    p->seen[p->seen_count++] = *pair;
-    f->see(f->context, pair);
-}
-
-static void see_pair(void *context, int a, int b)
-{
-    const frame *f = context;
+    const piece_work *w = context;
     pl_near_pair pair;
-    if (is_near(f, a, b, &pair)) {
-        hand_out(f, &pair);
+    if (meet(w->pairs, a, b, &pair)) {
+        if (w->piece->count < w->piece->capacity) {
+            w->piece->pairs[w->piece->count] = pair;
+        }
+        w->piece->count += 1;
     }
 }
 
-static void find_margins(const frame *f)
+static void fill_piece(const pl_candidate_pairs *p, pair_piece *piece)
 {
-    pl_candidate_pairs *p = f->pairs;
+    piece_work w = {p, piece};
+    piece->count = 0;
+    (void)pl_broad_phase_see(p->broad_phase, piece->begin, piece->end, keep_pair, &w);
+}
+
+/* Item 0 is the caller's work. */
+static void do_item(void *context, int item)
+{
+    pl_candidate_pairs *p = context;
+    if (item > 0) {
+        fill_piece(p, &p->pieces[item - 1]);
+    } else if (p->meanwhile != NULL) {
+        p->meanwhile(p->context);
+    }
+}
+
+static void find_margins(pl_candidate_pairs *p)
+{
     for (int i = 0; i < p->scene->body_count; ++i) {
         if (!p->scene->bodies[i].is_static) {
             const double speed =
-                pl_vec_length(pl_vec_of(f->bodies[i].velocity)) + turning_speed(f, i);
+                pl_vec_length(pl_vec_of(p->bodies[i].velocity)) + turning_speed(p, i);
             p->margin[i] = RESTING_GAP * p->radius[i] + p->scene->dt * speed;
         }
     }
 }
 
-static void find_pairs(frame *f, pl_thread_pool *pool)
+/* Whether the frame differs from the last one. */
+static bool take_frame(pl_candidate_pairs *p, const pl_body_state *bodies)
 {
-    pl_candidate_pairs *p = f->pairs;
-    find_margins(f);
-    pl_broad_phase_follow(p->broad_phase, f->bodies, p->margin, pool);
-    const long rows = pl_broad_phase_rows(p->broad_phase);
-    for (long row = 0; row < rows;) {
-        for (int i = 0; i < PIECES; ++i) {
-            p->pieces[i].begin = row;
-            row = rows - row < p->rows_per_piece ? rows : row + p->rows_per_piece;
-            p->pieces[i].end = row;
+    bool differs = !p->has_frame;
+    p->has_frame = true;
+    for (int i = 0; i < p->scene->body_count; ++i) {
+        if (!p->scene->bodies[i].is_static &&
+            memcmp(&p->bodies[i], &bodies[i], sizeof bodies[i]) != 0) {
+            p->bodies[i] = bodies[i];
+            differs = true;
         }
-        pl_thread_pool_run(pool, PIECES, 1, fill_pieces, f);
-        for (int i = 0; i < PIECES; ++i) {
-            const pair_piece *piece = &p->pieces[i];
-            for (int k = 0; k < piece->count; ++k) {
-                hand_out(f, &piece->pairs[k]);
-            }
-            pl_broad_phase_see(p->broad_phase, piece->next, piece->end, see_pair, f);
+    }
+    return differs;
+}
+
+void pl_candidate_pairs_find(pl_candidate_pairs *p, const pl_body_state *bodies, int threads,
+                             void (*meanwhile)(void *context), void *context)
+{
+    p->meanwhile = meanwhile;
+    p->context = context;
+    if (!take_frame(p, bodies)) { /* the pieces have its pairs */
+        do_item(p, 0);
+        return;
+    }
+    find_margins(p);
+    pl_broad_phase_follow(p->broad_phase, p->bodies, p->margin);
+    pl_share_work(threads, 1 + PIECES, do_item, p);
+    for (int i = 0; i < PIECES; ++i) {
+        pair_piece *piece = &p->pieces[i];
+        if (piece->count > piece->capacity) {
+            pl_arena_reserve(p->arena, &piece->pairs, &piece->capacity, piece->count,
+                             sizeof *piece->pairs);
+            fill_piece(p, piece);
         }
     }
 }
 
-void pl_candidate_pairs_each(pl_candidate_pairs *p, const pl_body_state *bodies,
-                             pl_thread_pool *pool,
+void pl_candidate_pairs_each(const pl_candidate_pairs *p,
                              void (*see)(void *context, const pl_near_pair *pair), void *context)
 {
-    const size_t size = (size_t)p->scene->body_count * sizeof *bodies;
-    frame f = {.pairs = p, .bodies = bodies, .see = see, .context = context};
-    if (p->has_seen && memcmp(p->bodies, bodies, size) == 0) {
-        for (int i = 0; i < p->seen_count; ++i) {
-            see(context, &p->seen[i]);
+    for (int i = 0; i < PIECES; ++i) {
+        for (int k = 0; k < p->pieces[i].count; ++k) {
+            see(context, &p->pieces[i].pairs[k]);
         }
-        return;
     }
-    memcpy(p->bodies, bodies, size);
-    p->seen_count = 0;
-    p->has_seen = true;
-    find_pairs(&f, pool);
 }

@@ -32,44 +32,28 @@ static double plane_gap(const pl_shape *plane, const pl_placed_shape *other)
     return height - pl_vec_dot(lowest, down) - pl_core_radius(other->shape);
 }
 
-static double sphere_sphere_gap(const pl_placed_shape *a, const pl_placed_shape *b)
+static double box_distance(const double half[3], pl_vec p)
 {
-    pl_vec c = pl_vec_sub(pl_vec_of(b->position), pl_vec_of(a->position));
-    return pl_vec_length(c) - a->shape->radius - b->shape->radius;
-}
-
-/* The centre of a sphere in the frame of the other shape. */
-static pl_vec centre_in(const pl_placed_shape *sphere, const pl_placed_shape *other)
-{
-    pl_axes axes = pl_axes_of(other->orientation);
-    return pl_to_local(&axes, pl_vec_sub(pl_vec_of(sphere->position), pl_vec_of(other->position)));
-}
-
-static double sphere_box_gap(const pl_placed_shape *sphere, const pl_placed_shape *box)
-{
-    const double *half = box->shape->half_extents;
-    pl_vec p = centre_in(sphere, box);
     pl_vec q = {fabs(p.x) - half[0], fabs(p.y) - half[1], fabs(p.z) - half[2]};
     double inside = fmax(q.x, fmax(q.y, q.z));
-    if (inside > 0) {
-        pl_vec outside = {fmax(q.x, 0), fmax(q.y, 0), fmax(q.z, 0)};
-        return pl_vec_length(outside) - sphere->shape->radius;
+    pl_vec outside = {fmax(q.x, 0), fmax(q.y, 0), fmax(q.z, 0)};
+    return inside > 0 ? pl_vec_length(outside) : inside;
+}
+
+/* A sphere and any other bounded shape but a polyhedron. */
+static double sphere_gap(const pl_placed_shape *sphere, const pl_placed_shape *other)
+{
+    const pl_shape *shape = other->shape;
+    const pl_vec c = pl_vec_sub(pl_vec_of(sphere->position), pl_vec_of(other->position));
+    const pl_axes axes = pl_axes_of(other->orientation);
+    pl_vec p = shape->kind == PL_SHAPE_SPHERE ? c : pl_to_local(&axes, c);
+    if (shape->kind == PL_SHAPE_CAPSULE) {
+        p.z -= fmin(fmax(p.z, -shape->half_height), shape->half_height);
     }
-    return inside - sphere->shape->radius;
-}
-
-static double sphere_capsule_gap(const pl_placed_shape *sphere, const pl_placed_shape *capsule)
-{
-    double h = capsule->shape->half_height;
-    pl_vec p = centre_in(sphere, capsule);
-    p.z -= fmin(fmax(p.z, -h), h);
-    return pl_vec_length(p) - sphere->shape->radius - capsule->shape->radius;
-}
-
-static double sphere_cylinder_gap(const pl_placed_shape *sphere, const pl_placed_shape *cylinder)
-{
-    pl_vec p = centre_in(sphere, cylinder);
-    return pl_cylinder_distance(cylinder->shape, p) - sphere->shape->radius;
+    const double distance = shape->kind == PL_SHAPE_BOX ? box_distance(shape->half_extents, p)
+                            : shape->kind == PL_SHAPE_CYLINDER ? pl_cylinder_distance(shape, p)
+                                                               : pl_vec_length(p);
+    return distance - sphere->shape->radius - pl_core_radius(shape);
 }
 
 static pl_segment core_segment(const pl_placed_shape *capsule, pl_vec origin)
@@ -143,25 +127,6 @@ static double box_box_gap(const pl_placed_shape *a, const pl_placed_shape *b)
     return best;
 }
 
-typedef double closed_form(const pl_placed_shape *a, const pl_placed_shape *b);
-
-/* The closed form of two bounded shapes, a <= b; NULL if there is none. */
-static closed_form *form_of(pl_shape_kind a, pl_shape_kind b)
-{
-    static closed_form *const of_sphere[PL_SHAPE_KIND_COUNT] = {
-        [PL_SHAPE_SPHERE] = sphere_sphere_gap,
-        [PL_SHAPE_BOX] = sphere_box_gap,
-        [PL_SHAPE_CAPSULE] = sphere_capsule_gap,
-        [PL_SHAPE_CYLINDER] = sphere_cylinder_gap};
-    if (a == PL_SHAPE_SPHERE) {
-        return of_sphere[b];
-    }
-    if (a == b) {
-        return a == PL_SHAPE_BOX ? box_box_gap : a == PL_SHAPE_CAPSULE ? capsule_capsule_gap : NULL;
-    }
-    return NULL;
-}
-
 pl_status pl_gap_closed_form(const pl_placed_shape *a, const pl_placed_shape *b, double *gap)
 {
     if (a->shape->kind > b->shape->kind) {
@@ -169,15 +134,18 @@ pl_status pl_gap_closed_form(const pl_placed_shape *a, const pl_placed_shape *b,
         a = b;
         b = swap;
     }
-    if (a->shape->kind == PL_SHAPE_PLANE && b->shape->kind != PL_SHAPE_PLANE) {
+    const pl_shape_kind first = a->shape->kind, second = b->shape->kind;
+    if (first == PL_SHAPE_PLANE && second != PL_SHAPE_PLANE) {
         *gap = plane_gap(a->shape, b);
-        return PL_OK;
-    }
-    closed_form *form = form_of(a->shape->kind, b->shape->kind);
-    if (form == NULL) {
+    } else if (first == PL_SHAPE_SPHERE && second != PL_SHAPE_HULL && second != PL_SHAPE_MESH) {
+        *gap = sphere_gap(a, b);
+    } else if (first == PL_SHAPE_BOX && second == PL_SHAPE_BOX) {
+        *gap = box_box_gap(a, b);
+    } else if (first == PL_SHAPE_CAPSULE && second == PL_SHAPE_CAPSULE) {
+        *gap = capsule_capsule_gap(a, b);
+    } else {
         return PL_UNSUPPORTED;
     }
-    *gap = form(a, b);
     return PL_OK;
 }
 

@@ -23,6 +23,7 @@
  * first. Source: van den Bergen 2003, ch. 4. */
 #include "base/heap.h"
 #include "gap.h"
+#include "segment.h"
 #include "solid.h"
 
 #include <ccd/ccd.h>
@@ -152,34 +153,6 @@ static pl_vec difference_support(const convex *a, const convex *b, pl_vec d)
     return pl_vec_sub(pl_vec_of(of_a.v), pl_vec_of(of_b.v));
 }
 
-/* Of `best` and the point of segment ab nearest to the origin, the one that is nearer to it. */
-static pl_vec nearer_on_segment(pl_vec best, pl_vec a, pl_vec b)
-{
-    pl_vec ab = pl_vec_sub(b, a);
-    double square = pl_vec_dot(ab, ab);
-    double t = square > 0 ? fmin(fmax(-pl_vec_dot(a, ab) / square, 0), 1) : 0;
-    pl_vec p = pl_vec_mad(a, t, ab);
-    return pl_vec_dot(p, p) < pl_vec_dot(best, best) ? p : best;
-}
-
-/* The point of a triangle, which may be a segment or a point, nearest to the origin. */
-static pl_vec nearest_on_triangle(const pl_vec t[3])
-{
-    pl_vec n = pl_vec_cross(pl_vec_sub(t[1], t[0]), pl_vec_sub(t[2], t[0]));
-    double square = pl_vec_dot(n, n);
-    pl_vec p = pl_vec_scale(n, square > 0 ? pl_vec_dot(n, t[0]) / square : 0);
-    bool inside = square > 0;
-    for (int i = 0; i < 3; ++i) {
-        pl_vec edge = pl_vec_sub(t[(i + 1) % 3], t[i]);
-        inside = inside && pl_vec_dot(pl_vec_cross(edge, pl_vec_sub(p, t[i])), n) >= 0;
-    }
-    if (inside) {
-        return p;
-    }
-    return nearer_on_segment(nearer_on_segment(nearer_on_segment(t[0], t[0], t[1]), t[1], t[2]),
-                             t[2], t[0]);
-}
-
 /* The distance query of GJK. It keeps the nearest triangle of A - B so far and improves it by one
  * support point at a time. The result is an upper bound of the distance at any stop. It stops when
  * the bounds meet, when the gap is above `within`, or when no support point is nearer. */
@@ -187,7 +160,8 @@ static double core_distance(const convex *a, const convex *b)
 {
     const query *shared = a->shared;
     pl_vec start = difference_support(a, b, shared->first);
-    pl_vec triangle[3] = {start, start, start};
+    const pl_vec origin = {0, 0, 0};
+    pl_triangle triangle = {{start, start, start}};
     pl_vec v = start;
     for (int i = 0; i < MAX_GJK_ITERATIONS && !(shared->lower > shared->within); ++i) {
         pl_vec w = difference_support(a, b, pl_vec_scale(v, -1));
@@ -197,9 +171,9 @@ static double core_distance(const convex *a, const convex *b)
         pl_vec best = v;
         int replaced = -1;
         for (int k = 0; k < 3; ++k) {
-            pl_vec t[3] = {triangle[0], triangle[1], triangle[2]};
-            t[k] = w;
-            pl_vec p = nearest_on_triangle(t);
+            pl_triangle t = triangle;
+            t.corner[k] = w;
+            pl_vec p = pl_triangle_nearest(&t, origin, NULL);
             if (pl_vec_dot(p, p) < pl_vec_dot(best, best)) {
                 best = p;
                 replaced = k;
@@ -208,7 +182,7 @@ static double core_distance(const convex *a, const convex *b)
         if (replaced < 0) {
             break;
         }
-        triangle[replaced] = w;
+        triangle.corner[replaced] = w;
         v = best;
     }
     return pl_vec_length(v);

@@ -18,7 +18,7 @@
  *
  * The residual of the contact law, natural_map, is no part: it needs impulses, so that engines
  * which report none would be spared. */
-#include "chaotic.h"
+#include "expectations.h"
 
 #include "plumb/jitter.h"
 

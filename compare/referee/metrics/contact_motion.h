@@ -23,13 +23,8 @@ typedef struct pl_contact_motion pl_contact_motion;
 /* `scene` and `arena` must outlive it. Memory of the arena. */
 pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *arena);
 
-/* Takes a step whose contacts are reported, and follows its bodies where the contacts have times.
- * The functions below are about that step; several threads may call them. */
+/* Takes a step whose contacts have times, and follows its bodies. */
 void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step);
-
-/* `sum` and the impulses of all contacts on a body that is not static, in their order, N s. */
-pl_vec pl_contact_motion_add_impulses(const pl_contact_motion *motion, const pl_step *step,
-                                      int body, pl_vec sum);
 
 /* Velocities of B's point relative to A's, m/s, world. */
 typedef struct pl_contact_velocity {
@@ -37,7 +32,7 @@ typedef struct pl_contact_velocity {
     pl_vec mean; /* of its begin and its end, where the impulse acted */
 } pl_contact_velocity;
 
-/* Those of contact i, in a step whose contacts have times. */
+/* Those of contact i of the step. */
 pl_contact_velocity pl_contact_motion_velocity(const pl_contact_motion *motion, const pl_step *step,
                                                int i);
 

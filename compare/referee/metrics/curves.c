@@ -2,8 +2,8 @@
  * -m g . (x - x0) of the centre of mass. */
 #include "curves.h"
 
+#include "expectations.h"
 #include "referee/geometry/solid.h"
-#include "reference_error.h"
 
 #include <math.h>
 

@@ -1,6 +1,5 @@
 #include "expectations.h"
 
-#include "chaotic.h"
 #include "plumb/vec.h"
 #include "referee/geometry/solid.h"
 
@@ -213,10 +212,9 @@ static void judge_statistics(const pl_scene *scene, const pl_metric *item, const
     }
 }
 
-void pl_expectations_judge(const pl_values *values, const pl_body_state *last, pl_metric *item,
-                           pl_deviations *deviations)
+void pl_expectations_judge(const pl_scene *scene, const pl_values *values,
+                           const pl_body_state *last, pl_metric *item, pl_deviations *deviations)
 {
-    const pl_scene *scene = pl_values_scene(values);
     const judging to = {&item[PL_METRIC_EXPECTATION_ERROR], deviations};
     *deviations = (pl_deviations){0};
     judge_rests(scene, last, &to);

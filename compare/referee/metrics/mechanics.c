@@ -1,4 +1,5 @@
-/* Energy and momentum, as the engine's integrator conserves them.
+/* Energy and momentum, as the engine's integrator conserves them: energy_gain, energy_step_gain,
+ * momentum_error and energy_lost.
  *
  * Let x be the centres of mass, E = sum of m v.v/2 + w.Iw/2 - m g.(x - x0), and r arms from x at
  * the start of the step. Substitution gives, exactly and for any h, with I constant over the step:
@@ -41,70 +42,10 @@
  * Source: the substitution of every proof that symplectic Euler conserves a modified energy
  * (Hairer, Lubich and Wanner 2006).
  */
-#include "mechanics.h"
-
+#include "modules.h"
 #include "referee/geometry/solid.h"
 
 #include <string.h>
-
-/* ---- Applied forces ---- */
-
-/* Simpson's rule over a step: the start, the midpoint and the end. */
-enum { NODES = 3 };
-static const double NODE_TIMES[NODES] = {0, 0.5, 1}; /* of the step */
-static const double NODE_WEIGHTS[NODES] = {1.0 / 6, 4.0 / 6, 1.0 / 6};
-
-bool pl_applied_force_acts(const pl_force *force, long step, double dt)
-{
-    /* A tolerance of a millionth of a step allows for rounding of the force's times. */
-    double time = (double)(step - 1) * dt + 1e-6 * dt;
-    return time >= force->from && time < force->until;
-}
-
-/* The body's axes at a node of a step of dt seconds. The orientation at the midpoint is the mean of
- * both ends, turned ahead by h (w - w')/8, as in Hermite's cubic. */
-static pl_axes axes_at(const pl_body_state *before, const pl_body_state *after, double dt, int node)
-{
-    const double *p = before->orientation, *q = after->orientation;
-    if (node != 1) {
-        return pl_axes_of(node == 0 ? p : q);
-    }
-    double same = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3] < 0 ? -1 : 1;
-    double w = p[0] + same * q[0], x = p[1] + same * q[1], y = p[2] + same * q[2],
-           z = p[3] + same * q[3];
-    pl_vec d = pl_vec_scale(
-        pl_vec_sub(pl_vec_of(before->angular_velocity), pl_vec_of(after->angular_velocity)),
-        dt / 16);
-    double mixed[4] = {w - d.x * x - d.y * y - d.z * z, x + d.x * w + d.y * z - d.z * y,
-                       y + d.y * w + d.z * x - d.x * z, z + d.z * w + d.x * y - d.y * x};
-    double length =
-        sqrt(mixed[0] * mixed[0] + mixed[1] * mixed[1] + mixed[2] * mixed[2] + mixed[3] * mixed[3]);
-    for (int k = 0; k < 4; ++k) {
-        mixed[k] /= length;
-    }
-    return pl_axes_of(mixed);
-}
-
-pl_vec pl_applied_force_impulse(const pl_force *force, pl_position_rule integrator,
-                                const pl_body_state *before, const pl_body_state *after, double dt)
-{
-    pl_vec impulse = pl_vec_scale(pl_vec_of(force->force), dt);
-    if (force->frame != PL_FRAME_BODY) {
-        return impulse;
-    }
-    if (integrator == PL_SEMI_IMPLICIT) {
-        pl_axes axes = axes_at(before, after, dt, 0);
-        return pl_to_world(&axes, impulse);
-    }
-    pl_vec sum = {0, 0, 0};
-    for (int i = 0; i < NODES; ++i) {
-        pl_axes axes = axes_at(before, after, dt, i);
-        sum = pl_vec_mad(sum, NODE_WEIGHTS[i], pl_to_world(&axes, impulse));
-    }
-    return sum;
-}
-
-/* ---- Energy and momentum ---- */
 
 /* Of all dynamic bodies. */
 typedef struct totals {
@@ -112,23 +53,18 @@ typedef struct totals {
     pl_vec momentum, angular;
 } totals;
 
-/* Work and impulses of the scene so far. */
-typedef struct external {
-    double work[PL_POSITION_RULE_COUNT];
-    pl_vec momentum[PL_POSITION_RULE_COUNT], angular[PL_POSITION_RULE_COUNT];
-} external;
-
-/* What rounding explains so far: J, N s, N m s. */
+/* What rounding explains: J, N s, N m s. */
 typedef struct rounding {
     double energy, momentum, angular;
 } rounding;
 
-/* Sums over impulses: their part in the momenta of all bodies, and in the rounding of these. */
-typedef struct impulse_sums {
-    pl_vec momentum, angular[PL_POSITION_RULE_COUNT];
+/* Work and impulses from outside, and what rounding explains. */
+typedef struct external {
+    double work[PL_POSITION_RULE_COUNT];
+    pl_vec momentum[PL_POSITION_RULE_COUNT], angular[PL_POSITION_RULE_COUNT];
     rounding blur;
     bool has_contact; /* with a static body */
-} impulse_sums;
+} external;
 
 /* How far the arms of impulses on a body move in a step, by each rule: share x moved, m. */
 typedef struct arm_shift {
@@ -136,37 +72,23 @@ typedef struct arm_shift {
     double share[PL_POSITION_RULE_COUNT];
 } arm_shift;
 
-/* An impulse of gravity or of a contact, and what it adds to the sums of all bodies. Such parts are
- * found by several threads, and then added in the order of bodies and contacts. */
-typedef struct part {
-    bool is_none;     /* nothing is to be added */
-    bool is_external; /* otherwise only its rounding counts */
-    bool is_contact;  /* with a static body */
-    pl_vec impulse, torque;
-    pl_vec moment[PL_POSITION_RULE_COUNT]; /* of the impulse, about the origin */
-    rounding blur;
-} part;
-
-/* Parts that are found together. */
-enum { PIECE = 512, MOST_TOGETHER = 64 * PIECE };
+typedef struct moving_body {
+    pl_vec origin;                         /* centre of mass at the start */
+    double energy[PL_POSITION_RULE_COUNT]; /* of the last state */
+    arm_shift arm;                         /* of a dynamic body, in the step */
+    bool has_own_time; /* a contact acted on it at its own time; then this is the mean of x over */
+    pl_vec mean_shift; /* the step less x before it */
+} moving_body;
 
 struct pl_mechanics {
     const pl_scene *scene;
-    pl_vec *origin;                         /* (body_count): centres of mass at the start */
-    double *energy[PL_POSITION_RULE_COUNT]; /* each (body_count): of the last state */
+    moving_body *bodies;                    /* (body_count) */
     double *growth[PL_POSITION_RULE_COUNT]; /* each (body_count): in the last step, without work */
     pl_vec *turned;                         /* (body_count): of the last step; see find_turned */
-    bool *has_own_time; /* (body_count): a contact acted on it at its own time */
-    pl_vec *mean_shift; /* (body_count): of those, the mean of x over the step less x before it */
     totals first, last;
-    external given;
-    rounding blur;
+    external given; /* so far */
     pl_integrator_votes votes;
-    bool has_contact; /* with a static body, in some step */
-    arm_shift *arms;  /* (body_count): of dynamic bodies, in the step */
-    part *parts;      /* (part_capacity) */
-    int part_capacity;
-    impulse_sums of_contacts; /* of the last step */
+    external of_contacts; /* of the last step */
 };
 
 pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
@@ -174,15 +96,9 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
     size_t count = (size_t)scene->body_count;
     pl_mechanics *m = pl_arena_take(arena, 1, sizeof *m);
     m->scene = scene;
-    m->origin = pl_arena_take(arena, count, sizeof *m->origin);
+    m->bodies = pl_arena_take(arena, count, sizeof *m->bodies);
     m->turned = pl_arena_take(arena, count, sizeof *m->turned);
-    m->has_own_time = pl_arena_take(arena, count, sizeof *m->has_own_time);
-    m->mean_shift = pl_arena_take(arena, count, sizeof *m->mean_shift);
-    m->arms = pl_arena_take(arena, count, sizeof *m->arms);
-    m->part_capacity = 4 * count < MOST_TOGETHER ? 4 * (int)count : MOST_TOGETHER;
-    m->parts = pl_arena_take(arena, (size_t)m->part_capacity, sizeof *m->parts);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        m->energy[k] = pl_arena_take(arena, count, sizeof *m->energy[k]);
         m->growth[k] = pl_arena_take(arena, count, sizeof *m->growth[k]);
     }
     return m;
@@ -196,8 +112,8 @@ static pl_vec centre_of(const pl_mechanics *m, const pl_body_state *bodies, int 
 /* Sets a body's energy and adds the difference to its growth. */
 static void set_energy(pl_mechanics *m, pl_position_rule integrator, int body, double energy)
 {
-    m->growth[integrator][body] += energy - m->energy[integrator][body];
-    m->energy[integrator][body] = energy;
+    m->growth[integrator][body] += energy - m->bodies[body].energy[integrator];
+    m->bodies[body].energy[integrator] = energy;
     m->last.energy[integrator] += energy;
 }
 
@@ -213,9 +129,9 @@ static void add_rounding(pl_mechanics *m, int index, const pl_body_state *state,
     const double potential = fabs(g[0] * x.x) + fabs(g[1] * x.y) + fabs(g[2] * x.z);
     const double spin = pl_vec_length(pl_vec_of(state->angular_velocity));
     const double energy = c * (mass * (reached * reached + potential) + 3 * spin * spin_momentum);
-    m->blur.energy += energy;
-    m->blur.momentum += c * mass * speed;
-    m->blur.angular += c * (2 * pl_vec_length(x) * mass * speed + 3 * spin_momentum);
+    m->given.blur.energy += energy;
+    m->given.blur.momentum += c * mass * speed;
+    m->given.blur.angular += c * (2 * pl_vec_length(x) * mass * speed + 3 * spin_momentum);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         m->growth[k][index] -= energy;
     }
@@ -240,9 +156,9 @@ static void measure(pl_mechanics *m, const pl_body_state *bodies)
             pl_to_world(&axes, (pl_vec){body->inertia[0] * spin.x, body->inertia[1] * spin.y,
                                         body->inertia[2] * spin.z});
         pl_vec momentum = pl_vec_scale(v, body->mass);
-        double energy =
-            body->mass * (pl_vec_dot(v, v) / 2 - pl_vec_dot(g, pl_vec_sub(x, m->origin[i]))) +
-            pl_vec_dot(w, angular) / 2;
+        double energy = body->mass * (pl_vec_dot(v, v) / 2 -
+                                      pl_vec_dot(g, pl_vec_sub(x, m->bodies[i].origin))) +
+                        pl_vec_dot(w, angular) / 2;
         set_energy(m, PL_SECOND_ORDER, i, energy);
         set_energy(m, PL_SEMI_IMPLICIT, i,
                    energy + m->scene->dt / (2 * substeps) * pl_vec_dot(g, momentum));
@@ -262,11 +178,10 @@ static void add_impulse_rounding(const pl_mechanics *m, pl_vec point, pl_vec imp
     blur->angular += 2 * pl_vec_length(point) * size;
 }
 
-static void add_impulse(pl_mechanics *m, pl_position_rule k, pl_vec point, pl_vec impulse)
+static void add_impulse(external *to, pl_position_rule k, pl_vec point, pl_vec impulse)
 {
-    external *given = &m->given;
-    given->momentum[k] = pl_vec_add(given->momentum[k], impulse);
-    given->angular[k] = pl_vec_add(given->angular[k], pl_vec_cross(point, impulse));
+    to->momentum[k] = pl_vec_add(to->momentum[k], impulse);
+    to->angular[k] = pl_vec_add(to->angular[k], pl_vec_cross(point, impulse));
 }
 
 /* The displacement of the body's centre in the step, m. */
@@ -308,83 +223,27 @@ static arm_shift arm_shift_of(const pl_mechanics *m, int body, const pl_step *st
     return arm;
 }
 
-/* Finds the moments of a part's impulse, which acts on a body that is at `point` at the start of the
- * step. */
-static void find_moments(const arm_shift *arm, pl_vec point, part *p)
+/* Adds an impulse of gravity or of a static body. It acts on a body that is at `point` at the start of
+ * the step, whose arm moves by `arm`; NULL: it acted at `point`. */
+static void add_external(external *to, pl_vec point, const arm_shift *arm, pl_vec impulse,
+                         pl_vec torque)
 {
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        p->moment[k] = pl_vec_cross(pl_vec_mad(point, arm->share[k], arm->moved), p->impulse);
+        const pl_vec at = arm == NULL ? point : pl_vec_mad(point, arm->share[k], arm->moved);
+        add_impulse(to, (pl_position_rule)k, at, impulse);
+        to->angular[k] = pl_vec_add(to->angular[k], torque);
     }
 }
 
-/* The same of an impulse that acted where it is reported. */
-static void find_moments_there(pl_vec point, part *p)
+static void add_sums(external *to, const external *sums)
 {
+    to->has_contact = to->has_contact || sums->has_contact;
+    to->blur.momentum += sums->blur.momentum;
+    to->blur.angular += sums->blur.angular;
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        p->moment[k] = pl_vec_cross(point, p->impulse);
+        to->momentum[k] = pl_vec_add(to->momentum[k], sums->momentum[k]);
+        to->angular[k] = pl_vec_add(to->angular[k], sums->angular[k]);
     }
-}
-
-static void add_part(impulse_sums *sums, const part *p)
-{
-    sums->has_contact = sums->has_contact || p->is_contact;
-    sums->blur.momentum += p->blur.momentum;
-    sums->blur.angular += p->blur.angular;
-    if (p->is_external) {
-        sums->momentum = pl_vec_add(sums->momentum, p->impulse);
-        for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-            sums->angular[k] = pl_vec_add(pl_vec_add(sums->angular[k], p->moment[k]), p->torque);
-        }
-    }
-}
-
-static void add_sums(pl_mechanics *m, const impulse_sums *sums)
-{
-    external *given = &m->given;
-    m->has_contact = m->has_contact || sums->has_contact;
-    m->blur.momentum += sums->blur.momentum;
-    m->blur.angular += sums->blur.angular;
-    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        given->momentum[k] = pl_vec_add(given->momentum[k], sums->momentum);
-        given->angular[k] = pl_vec_add(given->angular[k], sums->angular[k]);
-    }
-}
-
-/* Part `i` of those of a kind. */
-typedef part find_part(const pl_mechanics *m, const pl_step *step, int i);
-
-/* Parts at work. */
-typedef struct part_work {
-    const pl_mechanics *mechanics;
-    const pl_step *step;
-    find_part *find;
-    int first; /* number of the part that goes into parts[0] */
-} part_work;
-
-static void find_parts(void *context, int begin, int end)
-{
-    const part_work *w = context;
-    for (int i = begin; i < end; ++i) {
-        w->mechanics->parts[i] = w->find(w->mechanics, w->step, w->first + i);
-    }
-}
-
-/* The sums of the parts of numbers below `count`. */
-static impulse_sums sums_of(pl_mechanics *m, const pl_step *step, int count, find_part *find)
-{
-    part_work w = {m, step, find, 0};
-    impulse_sums sums = {.has_contact = false};
-    for (int left = count; left > 0; left = count - w.first) {
-        const int together = left < m->part_capacity ? left : m->part_capacity;
-        pl_thread_pool_run(step->pool, together, PIECE, find_parts, &w);
-        for (int i = 0; i < together; ++i) {
-            if (!m->parts[i].is_none) {
-                add_part(&sums, &m->parts[i]);
-            }
-        }
-        w.first += together;
-    }
-    return sums;
 }
 
 /* In units of the step: an interval shorter by less is the whole step. */
@@ -394,12 +253,7 @@ static const double WHOLE_STEP = 1e-9;
  * start of the step. */
 static bool is_at_own_time(const pl_contact_time *time, double dt)
 {
-    return time != NULL && time->end - time->begin < (1 - WHOLE_STEP) * dt;
-}
-
-static const pl_contact_time *time_of(const pl_step *step, int contact)
-{
-    return step->times != NULL ? &step->times[contact] : NULL;
+    return time->end - time->begin < (1 - WHOLE_STEP) * dt;
 }
 
 /* Adds what an impulse, spread evenly over its interval, adds to the mean of x over the step. */
@@ -407,8 +261,8 @@ static void add_mean_shift(pl_mechanics *m, int body, const pl_contact_time *tim
 {
     const double dt = m->scene->dt, b = dt - time->begin, e = dt - time->end;
     const double share = (b * b + b * e + e * e) / (6 * dt); /* (b^3 - e^3) / (b - e) / (6 dt) */
-    m->mean_shift[body] =
-        pl_vec_mad(m->mean_shift[body], share / m->scene->bodies[body].mass, impulse);
+    m->bodies[body].mean_shift =
+        pl_vec_mad(m->bodies[body].mean_shift, share / m->scene->bodies[body].mass, impulse);
 }
 
 /* Finds the bodies with contacts at their own time, and the mean of their places over the step:
@@ -417,16 +271,16 @@ static void find_mean_shifts(pl_mechanics *m, const pl_step *step)
 {
     const double dt = m->scene->dt;
     const pl_vec fallen = pl_vec_scale(pl_vec_of(m->scene->gravity), dt * dt / 6);
-    memset(m->has_own_time, 0, (size_t)m->scene->body_count * sizeof *m->has_own_time);
     for (int i = 0; i < m->scene->body_count; ++i) {
-        m->mean_shift[i] = pl_vec_mad(fallen, 0.5 * dt, pl_vec_of(step->before[i].velocity));
+        m->bodies[i].has_own_time = false;
+        m->bodies[i].mean_shift = pl_vec_mad(fallen, 0.5 * dt, pl_vec_of(step->before[i].velocity));
     }
     for (int i = 0; i < step->contact_count && step->times != NULL; ++i) {
         const pl_contact *c = &step->contacts[i];
         const int bodies[2] = {c->body_a, c->body_b};
         for (int k = 0; k < 2; ++k) {
             if (is_at_own_time(&step->times[i], dt) && !m->scene->bodies[bodies[k]].is_static) {
-                m->has_own_time[bodies[k]] = true;
+                m->bodies[bodies[k]].has_own_time = true;
                 add_mean_shift(m, bodies[k], &step->times[i],
                                pl_vec_scale(pl_vec_of(c->impulse), k == 0 ? -1 : 1));
             }
@@ -434,25 +288,27 @@ static void find_mean_shifts(pl_mechanics *m, const pl_step *step)
     }
 }
 
-/* Finds the shift of the body's arms too, which its contacts use. */
-static part gravity_on(const pl_mechanics *m, const pl_step *step, int i)
+/* Finds the shift of each body's arms too, which its contacts use. */
+static void add_gravity(pl_mechanics *m, const pl_step *step)
 {
-    const pl_body *body = &m->scene->bodies[i];
-    part p = {.is_none = body->is_static, .is_external = true};
-    if (p.is_none) {
-        return p;
+    external sums = {.has_contact = false};
+    for (int i = 0; i < m->scene->body_count; ++i) {
+        const pl_body *body = &m->scene->bodies[i];
+        if (body->is_static) {
+            continue;
+        }
+        const pl_vec impulse =
+            pl_vec_scale(pl_vec_of(m->scene->gravity), body->mass * m->scene->dt);
+        pl_vec point = centre_of(m, step->before, i);
+        m->bodies[i].arm = arm_shift_of(m, i, step);
+        if (m->bodies[i].has_own_time) {
+            point = pl_vec_add(point, m->bodies[i].mean_shift);
+        }
+        add_external(&sums, point, m->bodies[i].has_own_time ? NULL : &m->bodies[i].arm, impulse,
+                     (pl_vec){0, 0, 0});
+        add_impulse_rounding(m, point, impulse, &sums.blur);
     }
-    p.impulse = pl_vec_scale(pl_vec_of(m->scene->gravity), body->mass * m->scene->dt);
-    pl_vec point = centre_of(m, step->before, i);
-    m->arms[i] = arm_shift_of(m, i, step);
-    if (m->has_own_time[i]) {
-        point = pl_vec_add(point, m->mean_shift[i]);
-        find_moments_there(point, &p);
-    } else {
-        find_moments(&m->arms[i], point, &p);
-    }
-    add_impulse_rounding(m, point, p.impulse, &p.blur);
-    return p;
+    add_sums(&m->given, &sums);
 }
 
 /* Velocity of the point at `arm` at a node of the step. At the midpoint it is chosen so that
@@ -484,59 +340,53 @@ static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *ste
     double dt = m->scene->dt;
     pl_vec centre = centre_of(m, step->before, force->body);
     pl_vec moved = displacement(m, force->body, step);
-    for (int i = 0; i < NODES; ++i) {
-        pl_vec impulse = pl_vec_scale(pl_vec_of(force->force), dt);
-        pl_vec arm = pl_vec_of(force->at);
-        if (force->frame == PL_FRAME_BODY) {
-            pl_axes axes = axes_at(before, after, dt, i);
-            impulse = pl_to_world(&axes, impulse);
-            arm = pl_to_world(&axes, arm);
-        }
+    for (int i = 0; i < PL_NODES; ++i) {
+        const pl_applied_force f = pl_applied_force_at(force, before, after, dt, i);
+        pl_vec impulse = f.impulse;
+        const pl_vec arm = f.arm;
         if (i == 0) {
             pl_vec twice = pl_vec_add(point_velocity(before, after, moved, dt, 0, arm),
                                       point_velocity(before, after, moved, dt, 2, arm));
             add_work(m, PL_SEMI_IMPLICIT, force->body, pl_vec_dot(impulse, twice) / 2);
             const pl_vec mean = pl_vec_mad(centre, pl_later_share(&m->votes.engine), moved);
-            add_impulse_rounding(m, pl_vec_add(mean, arm), impulse, &m->blur);
-            add_impulse(m, PL_SEMI_IMPLICIT, pl_vec_add(mean, arm), impulse);
+            add_impulse_rounding(m, pl_vec_add(mean, arm), impulse, &m->given.blur);
+            add_impulse(&m->given, PL_SEMI_IMPLICIT, pl_vec_add(mean, arm), impulse);
         }
-        impulse = pl_vec_scale(impulse, NODE_WEIGHTS[i]);
+        impulse = pl_vec_scale(impulse, pl_node_weights[i]);
         pl_vec velocity = point_velocity(before, after, moved, dt, i, arm);
         add_work(m, PL_SECOND_ORDER, force->body, pl_vec_dot(impulse, velocity));
-        pl_vec point = pl_vec_add(pl_vec_mad(centre, NODE_TIMES[i], moved), arm);
-        add_impulse(m, PL_SECOND_ORDER, point, impulse);
+        pl_vec point = pl_vec_add(pl_vec_mad(centre, pl_node_times[i], moved), arm);
+        add_impulse(&m->given, PL_SECOND_ORDER, point, impulse);
     }
 }
 
 /* Impulses and torques between dynamic bodies cancel; those of static bodies are external. */
-static part impulse_of_contact(const pl_mechanics *m, const pl_step *step, int i)
+static external sums_of_contacts(const pl_mechanics *m, const pl_step *step)
 {
-    const pl_contact *contact = &step->contacts[i];
-    const bool a_static = m->scene->bodies[contact->body_a].is_static;
-    const bool b_static = m->scene->bodies[contact->body_b].is_static;
-    const double sign = a_static ? 1 : -1;
-    part p = {.is_external = a_static != b_static, .is_contact = a_static != b_static};
-    const pl_vec point = pl_vec_of(contact->point);
-    p.impulse = pl_vec_scale(pl_vec_of(contact->impulse), sign);
-    p.torque = pl_vec_scale(pl_vec_of(contact->torque), sign);
-    if (p.is_external && is_at_own_time(time_of(step, i), m->scene->dt)) {
-        find_moments_there(point, &p);
-    } else if (p.is_external) {
-        find_moments(&m->arms[a_static ? contact->body_b : contact->body_a], point, &p);
+    external sums = {.has_contact = false};
+    for (int i = 0; i < step->contact_count; ++i) {
+        const pl_contact *contact = &step->contacts[i];
+        const bool a_static = m->scene->bodies[contact->body_a].is_static;
+        const bool b_static = m->scene->bodies[contact->body_b].is_static;
+        const double sign = a_static ? 1 : -1;
+        const pl_vec point = pl_vec_of(contact->point);
+        const pl_vec impulse = pl_vec_scale(pl_vec_of(contact->impulse), sign);
+        add_impulse_rounding(m, point, impulse, &sums.blur);
+        if (a_static != b_static) {
+            const bool there = step->times != NULL && is_at_own_time(&step->times[i], m->scene->dt);
+            const arm_shift *arm = &m->bodies[a_static ? contact->body_b : contact->body_a].arm;
+            sums.has_contact = true;
+            add_external(&sums, point, there ? NULL : arm, impulse,
+                         pl_vec_scale(pl_vec_of(contact->torque), sign));
+        }
     }
-    add_impulse_rounding(m, point, p.impulse, &p.blur);
-    return p;
-}
-
-void pl_mechanics_set_engine(pl_mechanics *m, const pl_referee_engine *engine)
-{
-    m->votes.engine = *engine;
+    return sums;
 }
 
 void pl_mechanics_start(pl_mechanics *m, const pl_body_state *bodies)
 {
     for (int i = 0; i < m->scene->body_count; ++i) {
-        m->origin[i] = centre_of(m, bodies, i);
+        m->bodies[i].origin = centre_of(m, bodies, i);
     }
     measure(m, bodies);
     m->first = m->last;
@@ -571,8 +421,7 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
     find_turned(m, step);
     pl_integrator_see(&m->votes, m->scene, step->before, step->after, m->turned);
     find_mean_shifts(m, step);
-    const impulse_sums of_gravity = sums_of(m, step, m->scene->body_count, gravity_on);
-    add_sums(m, &of_gravity);
+    add_gravity(m, step);
     for (int i = 0; i < m->scene->force_count; ++i) {
         const pl_force *force = &m->scene->forces[i];
         if (!m->scene->bodies[force->body].is_static &&
@@ -581,13 +430,13 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
         }
     }
     if (!step->repeats) {
-        m->of_contacts = sums_of(m, step, step->contact_count, impulse_of_contact);
+        m->of_contacts = sums_of_contacts(m, step);
     }
-    add_sums(m, &m->of_contacts);
+    add_sums(&m->given, &m->of_contacts);
     measure(m, step->after);
 }
 
-const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *m)
+pl_integrator_votes *pl_mechanics_votes(pl_mechanics *m)
 {
     return &m->votes;
 }
@@ -597,16 +446,6 @@ double pl_mechanics_energy_gain(const pl_mechanics *m, const pl_scale *scale,
 {
     return (m->last.energy[integrator] - m->first.energy[integrator] - m->given.work[integrator]) /
            scale->energy;
-}
-
-double pl_mechanics_energy_rounding(const pl_mechanics *m)
-{
-    return m->blur.energy;
-}
-
-const double *pl_mechanics_growth(const pl_mechanics *m, pl_position_rule integrator)
-{
-    return m->growth[integrator];
 }
 
 static double unexplained(pl_vec last, pl_vec first, pl_vec given)
@@ -619,11 +458,49 @@ double pl_mechanics_momentum_error(const pl_mechanics *m, const pl_scale *scale,
 {
     double linear =
         unexplained(m->last.momentum, m->first.momentum, m->given.momentum[integrator]) -
-        m->blur.momentum;
+        m->given.blur.momentum;
     double angular = unexplained(m->last.angular, m->first.angular, m->given.angular[integrator]) -
-                     m->blur.angular;
-    const bool knows_arms = pl_substeps_of(&m->votes.engine) == 1 || !m->has_contact;
+                     m->given.blur.angular;
+    const bool knows_arms = pl_substeps_of(&m->votes.engine) == 1 || !m->given.has_contact;
     const double error =
         fmax(linear / scale->momentum, knows_arms ? angular / scale->angular_momentum : 0);
     return isnan(linear + angular) ? (double)NAN : fmax(error, 0);
 }
+
+/* ---- The metrics ---- */
+
+static void *create(const pl_run_view *view, pl_arena *arena)
+{
+    (void)arena;
+    view->series[PL_METRIC_ENERGY_GAIN]->applies = true;
+    view->series[PL_METRIC_ENERGY_STEP_GAIN]->applies = true;
+    view->series[PL_METRIC_MOMENTUM_ERROR]->applies = true;
+    return NULL;
+}
+
+/* The engine's integrator is detected only when something has accelerated. So each integrator has its
+ * own series. */
+static void see(void *state, const pl_run_view *view)
+{
+    (void)state;
+    const pl_mechanics *m = view->mechanics;
+    const pl_scale *scale = &view->scale;
+    for (pl_position_rule k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        const double gain =
+            pl_mechanics_energy_gain(m, scale, k) - m->given.blur.energy / scale->energy;
+        const double error = pl_mechanics_momentum_error(m, scale, k);
+        const double growth = pl_touching_island_max(view->touching, m->growth[k]);
+        pl_see_value_by(view, PL_METRIC_ENERGY_GAIN, k, fmax(pl_or_infinity(gain), 0));
+        pl_see_value_by(view, PL_METRIC_MOMENTUM_ERROR, k, pl_or_infinity(error));
+        pl_see_value_by(view, PL_METRIC_ENERGY_STEP_GAIN, k, fmax(growth / scale->energy, 0));
+    }
+}
+
+static void collect(void *state, const pl_run_view *view, pl_metric *item)
+{
+    (void)state;
+    const double gain = pl_mechanics_energy_gain(view->mechanics, &view->scale, view->integrator);
+    item[PL_METRIC_ENERGY_LOST] = pl_metric_value(-gain * view->scale.energy);
+}
+
+const pl_module pl_mechanics_module = {.create = create, .see = see, .collect = collect};

@@ -1,21 +1,69 @@
 /* Energy and momentum of a run: what the engine gained or lost of them, apart from the work and the
  * impulses of the scene. Both depend on the engine's integrator, which is detected from the frames.
+ * The scales of a scene, which they are divided by, and the validity checks of a frame are here too.
  *
  * Arrays of states have scene->body_count items. */
 #ifndef PLUMB_MECHANICS_H
 #define PLUMB_MECHANICS_H
 
 #include "base/arena.h"
-#include "base/thread_pool.h"
 #include "integrator.h"
+#include "metrics.h"
 #include "plumb/contact_times.h"
-#include "plumb/vec.h"
-#include "scale.h"
 
-/* ---- Applied forces ---- */
+/* ---- Scales (scale.c) ---- */
+
+/* The scales of one scene. */
+typedef struct pl_scale {
+    int dynamic_count;
+    /* J: initial kinetic energy + M |g| H, where H is the extent along gravity of the bounding
+     * spheres of the dynamic bodies at the start; 1 J where that is 0. */
+    double energy;
+    /* N s: sum over dynamic bodies of m |v0| + |I w0| / r + m |g| T, with the bounding radius r and
+     * the duration T, + sum over forces of |F| T_F with each force's own duration T_F; at least
+     * 1e-300. */
+    double momentum;
+    /* N m s: momentum x (the largest distance of a dynamic body's centre from the origin at the
+     * start, plus its r). */
+    double angular_momentum;
+    double speed_bound;  /* m/s: no point of a body is faster in a valid run; see scale.c */
+    double travel_bound; /* m: no body goes farther in a valid run */
+} pl_scale;
+
+/* The scales of the scene's initial state. */
+pl_scale pl_scale_of(const pl_scene *scene);
+
+/* PL_ENDING_NONFINITE, with body and step in `error`, when a number of a dynamic body or of a static
+ * one's pose is NaN or infinite, or the orientation of a dynamic one has a squared norm outside
+ * 1/2 .. 2. */
+pl_ending pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, long step,
+                          pl_error *error);
+
+/* PL_ENDING_DIVERGED, with the reason in `error`, when a point of a dynamic body is faster than
+ * scale->speed_bound, when one is farther than scale->travel_bound from where it began, or when the current `energy_gain` (the metric) exceeds 10. A free fall,
+ * however long, gains no energy. */
+pl_ending pl_check_bounds(const pl_scene *scene, const pl_scale *scale, const pl_body_state *bodies,
+                          double energy_gain, long step, pl_error *error);
+
+/* ---- Forces of the scene, which may turn with their bodies within a step (applied_force.c) ---- */
+
+/* Simpson's rule over a step: the start, the midpoint and the end. */
+enum { PL_NODES = 3 };
+extern const double pl_node_times[PL_NODES]; /* of the step */
+extern const double pl_node_weights[PL_NODES];
 
 /* Whether the force acts in step number `step` (from 1) of length dt, s. */
 bool pl_applied_force_acts(const pl_force *force, long step, double dt);
+
+/* A force at a node of a step, in the world frame. */
+typedef struct pl_applied_force {
+    pl_vec impulse; /* over the whole step, N s */
+    pl_vec arm;     /* m */
+} pl_applied_force;
+
+/* The force at a node of a step of dt seconds. */
+pl_applied_force pl_applied_force_at(const pl_force *force, const pl_body_state *before,
+                                     const pl_body_state *after, double dt, int node);
 
 /* The force's impulse on its body over a step of dt seconds, N s, world frame. A force in the
  * body's frame turns within the step of a second-order integrator, and keeps the direction of the
@@ -31,9 +79,6 @@ typedef struct pl_mechanics pl_mechanics;
 /* `scene` must outlive it. Memory of the arena. */
 pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena);
 
-/* Sets what the engine declares; {0} unless this is called, before pl_mechanics_start. */
-void pl_mechanics_set_engine(pl_mechanics *mechanics, const pl_referee_engine *engine);
-
 /* Takes the state before the first step. */
 void pl_mechanics_start(pl_mechanics *mechanics, const pl_body_state *bodies);
 
@@ -44,29 +89,23 @@ typedef struct pl_step {
     const pl_contact *contacts;          /* between bodies of the scene */
     const pl_contact_time *times;        /* of the contacts; NULL: all are of the whole step */
     int contact_count;                   /* < 0: the engine reports no contacts */
-    bool repeats;         /* the states, contacts and times are those of the last step */
-    pl_thread_pool *pool; /* NULL: one thread */
+    bool has_points_alone;      /* the engine reported contact points, and not their impulses */
+    bool repeats;               /* the states, contacts and times are those of the last step */
+    const pl_step_stats *stats; /* NULL: the engine reports none */
+    double cpu_time;            /* of the process, for the step call alone, s */
 } pl_step;
 
 /* Takes a step, whose contacts may be unreported. */
 void pl_mechanics_step(pl_mechanics *mechanics, const pl_step *step);
 
-/* The steps so far by the integrator that they fit. Borrowed. */
-const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *mechanics);
+/* The steps so far by the integrator that they fit. Borrowed. What the engine declares is set there
+ * before pl_mechanics_start. */
+pl_integrator_votes *pl_mechanics_votes(pl_mechanics *mechanics);
 
 /* Of the last state: (E - E0 - work) / scale.energy, where E is the energy that the integrator
  * conserves. */
 double pl_mechanics_energy_gain(const pl_mechanics *mechanics, const pl_scale *scale,
                                 pl_position_rule integrator);
-
-/* How much of the energy that was gained so far the rounding of the declared precision explains, J:
- * 0 for an engine in doubles. */
-double pl_mechanics_energy_rounding(const pl_mechanics *mechanics);
-
-/* By how much each body's E grew in the last step, without the work of the scene's forces on it and
- * without what rounding of the declared precision explains: J, (body_count). Borrowed until the
- * next step. */
-const double *pl_mechanics_growth(const pl_mechanics *mechanics, pl_position_rule integrator);
 
 /* Of the last state: the larger of |p - p0 - J| / scale.momentum and |L - L0 - K| /
  * scale.angular_momentum, where J and K are the impulses of gravity, of the scene's forces and of

@@ -19,10 +19,16 @@ typedef enum pl_direction { PL_LOWER_IS_BETTER, PL_HIGHER_IS_BETTER, PL_NO_DIREC
 
 /* Further properties of a metric, as bits. */
 typedef enum pl_trait {
-    PL_TRAIT_MEASURED = 1 << 0,   /* differs from run to run, even if the engine is deterministic */
-    PL_TRAIT_COMPARED = 1 << 1,   /* means the same to every engine: reports compare the home engine
+    PL_TRAIT_MEASURED = 1 << 0, /* differs from run to run, even if the engine is deterministic */
+    PL_TRAIT_COMPARED = 1 << 1, /* means the same to every engine: reports compare the home engine
                                    with the best other one */
-    PL_TRAIT_OVER_STEPS = 1 << 2, /* has percentiles and a worst step; needs a step */
+    PL_TRAIT_OVER_STEPS =
+        1 << 2,              /* has percentiles and a worst step; needs a step; the largest value
+                                     of the steps, except: */
+    PL_TRAIT_MEAN = 1 << 11, /* the mean */
+    PL_TRAIT_RMS = 1 << 12,  /* the root of the mean square */
+    PL_TRAIT_BY_INTEGRATOR =
+        1 << 13,                     /* measured for each integrator, until the engine's is known */
     PL_TRAIT_VALUE_OF_END = 1 << 3,  /* a value is void after an early end of the run */
     PL_TRAIT_REASON_OF_END = 1 << 4, /* the reason why there is none is void then */
     PL_TRAIT_OF_END = PL_TRAIT_VALUE_OF_END | PL_TRAIT_REASON_OF_END,

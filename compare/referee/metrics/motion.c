@@ -28,7 +28,6 @@
 #include "base/statistics.h"
 #include "modules.h"
 #include "referee/geometry/solid.h"
-#include "series.h"
 
 /* Tolerance of scene checks of unit vectors. */
 static const double PARALLEL = 1e-9;
@@ -37,26 +36,27 @@ static const double QUIET_SPEED = 1e-3; /* m/s */
 static const double QUIET_SPIN = 1e-3;  /* rad/s */
 static const double HOLD = 0.5;         /* s */
 
+/* Sums over the samples since a baseline, of one body. */
+typedef struct track {
+    pl_vec baseline;
+    pl_vec mean;
+    pl_vec cross; /* sum of (t - mean t)(d - mean d) */
+} track;
+
+/* The measurements of drift. */
+enum { SINCE_QUIET, SINCE_FIXED, SINCE_COUNT };
+
 /* A body that the scene expects to rest or to travel. */
 typedef struct followed {
     int body;
     pl_vec origin; /* the rest, or the start of the travel */
     pl_vec along;  /* of its travel; null if it should rest */
     pl_vec normal; /* of its supporting plane; null if it has none */
+    bool is_again; /* one before is of the same body, and has its drift */
+    track tracks[SINCE_COUNT];
 } followed;
 
-/* Sums over the samples since a baseline, of one body. */
-typedef struct drifting {
-    int body;
-    pl_vec along; /* of its travel; null if it should rest */
-    pl_vec baseline;
-    pl_vec mean;
-    pl_vec cross; /* sum of (t - mean t)(d - mean d) */
-} drifting;
-
 typedef struct drift {
-    drifting *bodies; /* (count), each body once */
-    int count;
     long samples;
     double start;                  /* s */
     double mean_time, square_time; /* of t since the start, and the sum of squares about it */
@@ -67,18 +67,18 @@ typedef struct motion {
     const pl_scene *scene;
     followed *followed; /* (followed_count): travels first */
     int followed_count;
-    bool supported; /* any of them has a supporting plane */
-    pl_series lift, deviation;
+    bool supported;       /* any of them has a supporting plane */
+    bool follows_settled; /* they are all dynamic bodies, from where they settle */
 
     long hold;        /* steps in 0.5 s */
     long quiet_since; /* first step of the current quiet period; -1 while something moves */
     bool settled;     /* the quiet period has lasted 0.5 s, and quiet_since is final */
-    drift since_quiet, since_fixed;
-    long fixed_step; /* where since_fixed begins */
+    drift drifts[SINCE_COUNT];
+    long fixed_step; /* where SINCE_FIXED begins */
 
     int dynamic_count;
-    pl_vec *start, *last; /* (dynamic_count): centres of mass */
-    double *run_out;      /* (dynamic_count), m */
+    pl_vec *start;   /* (body_count): centres of mass */
+    double *run_out; /* (dynamic_count), m */
 } motion;
 
 /* ---- Bodies with a reference ---- */
@@ -104,30 +104,11 @@ static pl_vec supporting_normal(const pl_scene *scene, pl_vec along)
 
 static void follow(motion *m, bool *seen, const followed *body)
 {
-    m->supported = m->supported || pl_vec_length(body->normal) > 0;
-    m->followed[m->followed_count++] = *body;
-    if (!seen[body->body]) {
-        const drifting item = {.body = body->body, .along = body->along};
-        m->since_quiet.bodies[m->since_quiet.count++] = item;
-        m->since_fixed.bodies[m->since_fixed.count++] = item;
-    }
+    followed *added = &m->followed[m->followed_count++];
+    *added = *body;
+    added->is_again = seen[body->body];
     seen[body->body] = true;
-}
-
-/* Whether all dynamic bodies are followed from where they settle. */
-static bool follows_settled(const pl_scene *scene)
-{
-    return scene->travel_count + scene->rest_count + scene->value_count == 0;
-}
-
-/* Follows all dynamic bodies. */
-static void follow_settled(motion *m)
-{
-    for (int i = 0; i < m->scene->body_count; ++i) {
-        if (!m->scene->bodies[i].is_static) {
-            m->since_quiet.bodies[m->since_quiet.count++] = (drifting){.body = i};
-        }
-    }
+    m->supported = m->supported || pl_vec_length(body->normal) > 0;
 }
 
 static void follow_all(motion *m, bool *seen)
@@ -150,35 +131,32 @@ static void follow_all(motion *m, bool *seen)
                            .along = still,
                            .normal = normal});
     }
-    if (follows_settled(scene)) {
-        follow_settled(m);
+    for (int i = 0; i < scene->body_count && m->follows_settled; ++i) {
+        if (!scene->bodies[i].is_static) {
+            m->followed[m->followed_count++] = (followed){.body = i};
+        }
     }
 }
 
-static void *create(const pl_scene *scene, pl_arena *arena)
+static void *create(const pl_run_view *view, pl_arena *arena)
 {
+    const pl_scene *scene = view->scene;
     motion *m = pl_arena_take(arena, 1, sizeof *m);
-    for (int i = 0; i < scene->body_count; ++i) {
-        m->dynamic_count += !scene->bodies[i].is_static;
-    }
-    size_t bodies = (size_t)scene->body_count, dynamic = (size_t)m->dynamic_count;
-    size_t expected = (size_t)scene->travel_count + (size_t)scene->rest_count;
-    size_t quiet = follows_settled(scene) ? dynamic : expected;
-    bool *seen = pl_arena_take(arena, bodies, sizeof *seen);
+    const size_t expected = (size_t)scene->travel_count + (size_t)scene->rest_count;
     m->scene = scene;
-    m->followed = pl_arena_take(arena, expected, sizeof *m->followed);
-    m->since_quiet.bodies = pl_arena_take(arena, quiet, sizeof *m->since_quiet.bodies);
-    m->since_fixed.bodies = pl_arena_take(arena, expected, sizeof *m->since_fixed.bodies);
-    m->start = pl_arena_take(arena, dynamic, sizeof *m->start);
-    m->last = pl_arena_take(arena, dynamic, sizeof *m->last);
-    m->run_out = pl_arena_take(arena, dynamic, sizeof *m->run_out);
-    pl_series_init(&m->lift, arena);
-    pl_series_init(&m->deviation, arena);
+    m->dynamic_count = view->scale.dynamic_count;
+    m->follows_settled = expected + (size_t)scene->value_count == 0;
+    m->followed = pl_arena_take(arena, m->follows_settled ? (size_t)m->dynamic_count : expected,
+                                sizeof *m->followed);
+    m->start = pl_arena_take(arena, (size_t)scene->body_count, sizeof *m->start);
+    m->run_out = pl_arena_take(arena, (size_t)m->dynamic_count, sizeof *m->run_out);
     /* The small number keeps a whole number of steps from being rounded up. */
     m->hold = (long)ceil(HOLD / scene->dt - 1e-6);
     m->quiet_since = -1;
     m->fixed_step = lround(fmin(1, scene->duration / 2) / scene->dt);
-    follow_all(m, seen);
+    follow_all(m, pl_arena_take(arena, (size_t)scene->body_count, sizeof(bool)));
+    view->series[PL_METRIC_LIFT]->applies = m->supported;
+    view->series[PL_METRIC_PATH_DEVIATION]->applies = scene->travel_count > 0;
     return m;
 }
 
@@ -211,30 +189,32 @@ static double deviation_of(const motion *m, const pl_body_state *bodies)
 /* ---- Drift and settling ---- */
 
 /* Takes these poses at `time` (s) as the baseline and the first sample. */
-static void begin_drift(drift *d, double time, const pl_body_state *bodies)
+static void begin_drift(motion *m, int since, double time, const pl_body_state *bodies)
 {
-    d->samples = 1;
-    d->start = time;
-    d->mean_time = d->square_time = d->largest = 0;
-    for (int i = 0; i < d->count; ++i) {
-        drifting *b = &d->bodies[i];
-        b->baseline = pl_vec_of(bodies[b->body].position);
-        b->mean = b->cross = (pl_vec){0, 0, 0};
+    m->drifts[since] = (drift){.samples = 1, .start = time};
+    for (int i = 0; i < m->followed_count; ++i) {
+        followed *f = &m->followed[i];
+        f->tracks[since] = (track){.baseline = pl_vec_of(bodies[f->body].position)};
     }
 }
 
 /* Takes one more sample, at a later time than the last. */
-static void add_drift(drift *d, double time, const pl_body_state *bodies)
+static void add_drift(motion *m, int since, double time, const pl_body_state *bodies)
 {
+    drift *d = &m->drifts[since];
     double t = time - d->start;
     double n = (double)++d->samples;
     double off_mean = t - d->mean_time; /* from the mean of the samples before */
     d->mean_time += off_mean / n;
     d->square_time += off_mean * (t - d->mean_time);
-    for (int i = 0; i < d->count; ++i) {
-        drifting *b = &d->bodies[i];
-        pl_vec off = pl_vec_sub(pl_vec_of(bodies[b->body].position), b->baseline);
-        off = pl_vec_mad(off, -pl_vec_dot(off, b->along), b->along);
+    for (int i = 0; i < m->followed_count; ++i) {
+        followed *f = &m->followed[i];
+        track *b = &f->tracks[since];
+        if (f->is_again) {
+            continue;
+        }
+        pl_vec off = pl_vec_sub(pl_vec_of(bodies[f->body].position), b->baseline);
+        off = pl_vec_mad(off, -pl_vec_dot(off, f->along), f->along);
         d->largest = fmax(d->largest, pl_vec_length(off));
         b->mean = pl_vec_mad(b->mean, 1 / n, pl_vec_sub(off, b->mean));
         b->cross = pl_vec_mad(b->cross, off_mean, pl_vec_sub(off, b->mean));
@@ -283,76 +263,80 @@ static pl_metric settle_metric(const motion *m, long steps)
 
 static void drift_metrics(const motion *m, pl_metric *item)
 {
-    const drift *d = m->settled ? &m->since_quiet : &m->since_fixed;
-    if (m->since_quiet.count == 0) {
+    const int since = m->settled ? SINCE_QUIET : SINCE_FIXED;
+    const drift *d = &m->drifts[since];
+    if (m->followed_count == 0) {
         return;
     }
-    if (d->count == 0) {
-        item[PL_METRIC_DRIFT] = item[PL_METRIC_CREEP] =
-            pl_metric_failed("the bodies did not come to rest");
-        return;
-    }
-    if (d->samples < 2) {
-        item[PL_METRIC_DRIFT] = item[PL_METRIC_CREEP] =
+    if (since == SINCE_FIXED && m->follows_settled) {
+        item[PL_METRIC_DRIFT] = pl_metric_failed("the bodies did not come to rest");
+    } else if (d->samples < 2) {
+        item[PL_METRIC_DRIFT] =
             pl_metric_failed("the run has no frame after step %ld", m->fixed_step);
-        return;
+    } else {
+        item[PL_METRIC_DRIFT] = pl_metric_value(d->largest);
     }
-    double fastest = 0;
-    for (int i = 0; i < d->count; ++i) {
-        fastest = fmax(fastest, pl_vec_length(d->bodies[i].cross) / d->square_time);
+    item[PL_METRIC_CREEP] = item[PL_METRIC_DRIFT];
+    if (item[PL_METRIC_CREEP].state == PL_METRIC_VALUE) {
+        double fastest = 0;
+        for (int i = 0; i < m->followed_count; ++i) {
+            const double cross = pl_vec_length(m->followed[i].tracks[since].cross);
+            fastest = fmax(fastest, cross / d->square_time);
+        }
+        item[PL_METRIC_CREEP] = pl_metric_value(fastest);
     }
-    item[PL_METRIC_DRIFT] = pl_metric_value(d->largest);
-    item[PL_METRIC_CREEP] = pl_metric_value(fastest);
 }
 
 /* ---- Spread ---- */
 
-static void read_centres(const pl_scene *scene, const pl_body_state *bodies, pl_vec *centres)
+static pl_vec centre_of(const motion *m, const pl_body_state *bodies, int body)
 {
-    int next = 0;
-    for (int i = 0; i < scene->body_count; ++i) {
-        if (!scene->bodies[i].is_static) {
-            centres[next++] = pl_state_centre(&scene->bodies[i], &bodies[i]);
-        }
-    }
+    return pl_state_centre(&m->scene->bodies[body], &bodies[body]);
 }
 
 /* Standard deviation of the last centres along `axis`, m. The mean comes first, so that nothing
  * cancels. */
-static double deviation_along(const motion *m, pl_vec axis)
+static double deviation_along(const motion *m, const pl_body_state *last, pl_vec axis)
 {
     double mean = 0, square = 0;
-    for (int i = 0; i < m->dynamic_count; ++i) {
-        mean += pl_vec_dot(m->last[i], axis) / m->dynamic_count;
+    for (int i = 0; i < m->scene->body_count; ++i) {
+        if (!m->scene->bodies[i].is_static) {
+            mean += pl_vec_dot(centre_of(m, last, i), axis) / m->dynamic_count;
+        }
     }
-    for (int i = 0; i < m->dynamic_count; ++i) {
-        double d = pl_vec_dot(m->last[i], axis) - mean;
-        square += d * d / m->dynamic_count;
+    for (int i = 0; i < m->scene->body_count; ++i) {
+        if (!m->scene->bodies[i].is_static) {
+            const double d = pl_vec_dot(centre_of(m, last, i), axis) - mean;
+            square += d * d / m->dynamic_count;
+        }
     }
     return sqrt(square);
 }
 
-static double mass_height(const motion *m, pl_vec up)
+static double mass_height(const motion *m, const pl_body_state *last, pl_vec up)
 {
     double mass = 0, moment = 0;
-    int next = 0;
     for (int i = 0; i < m->scene->body_count; ++i) {
         const pl_body *body = &m->scene->bodies[i];
         if (!body->is_static) {
             mass += body->mass;
-            moment += body->mass * pl_vec_dot(m->last[next++], up);
+            moment += body->mass * pl_vec_dot(centre_of(m, last, i), up);
         }
     }
     return moment / mass;
 }
 
-static double run_out(motion *m, pl_vec up)
+static double run_out(motion *m, const pl_body_state *last, pl_vec up)
 {
-    for (int i = 0; i < m->dynamic_count; ++i) {
-        m->run_out[i] = pl_vec_length(pl_vec_reject(pl_vec_sub(m->last[i], m->start[i]), up));
+    int count = 0;
+    for (int i = 0; i < m->scene->body_count; ++i) {
+        if (!m->scene->bodies[i].is_static) {
+            const pl_vec moved = pl_vec_sub(centre_of(m, last, i), m->start[i]);
+            m->run_out[count++] = pl_vec_length(pl_vec_reject(moved, up));
+        }
     }
-    pl_sort_numbers(m->run_out, m->dynamic_count);
-    return pl_quantile(m->run_out, m->dynamic_count, 0.95);
+    pl_sort_numbers(m->run_out, count);
+    return pl_quantile(m->run_out, count, 0.95);
 }
 
 static void spread_metrics(motion *m, const pl_body_state *last, pl_metric *item)
@@ -360,14 +344,13 @@ static void spread_metrics(motion *m, const pl_body_state *last, pl_metric *item
     pl_vec g = pl_vec_of(m->scene->gravity);
     double strength = pl_vec_length(g);
     pl_vec up = strength > 0 ? pl_vec_scale(g, -1 / strength) : (pl_vec){0, 0, 0};
-    read_centres(m->scene, last, m->last);
     if (m->dynamic_count > 1) {
-        item[PL_METRIC_SPREAD_X] = pl_metric_value(deviation_along(m, (pl_vec){1, 0, 0}));
-        item[PL_METRIC_SPREAD_Y] = pl_metric_value(deviation_along(m, (pl_vec){0, 1, 0}));
+        item[PL_METRIC_SPREAD_X] = pl_metric_value(deviation_along(m, last, (pl_vec){1, 0, 0}));
+        item[PL_METRIC_SPREAD_Y] = pl_metric_value(deviation_along(m, last, (pl_vec){0, 1, 0}));
     }
-    item[PL_METRIC_RUN_OUT_P95] = pl_metric_value(run_out(m, up));
+    item[PL_METRIC_RUN_OUT_P95] = pl_metric_value(run_out(m, last, up));
     if (strength > 0) {
-        item[PL_METRIC_MASS_HEIGHT] = pl_metric_value(mass_height(m, up));
+        item[PL_METRIC_MASS_HEIGHT] = pl_metric_value(mass_height(m, last, up));
     }
 }
 
@@ -379,21 +362,24 @@ static void see(void *state, const pl_run_view *view)
     const long step = view->step.number;
     const pl_body_state *bodies = view->step.after;
     double time = (double)step * m->scene->dt;
-    if (step == 0) {
-        read_centres(m->scene, bodies, m->start);
-    } else {
-        pl_series_add(&m->lift, lift_of(m, bodies), step);
-        pl_series_add(&m->deviation, deviation_of(m, bodies), step);
+    for (int i = 0; i < m->scene->body_count && step == 0; ++i) {
+        m->start[i] = centre_of(m, bodies, i);
+    }
+    if (step > 0 && m->supported) {
+        pl_see_value(view, PL_METRIC_LIFT, lift_of(m, bodies));
+    }
+    if (step > 0 && m->scene->travel_count > 0) {
+        pl_see_value(view, PL_METRIC_PATH_DEVIATION, deviation_of(m, bodies));
     }
     if (see_quiet(m, step, bodies)) {
-        begin_drift(&m->since_quiet, time, bodies);
+        begin_drift(m, SINCE_QUIET, time, bodies);
     } else if (m->quiet_since >= 0) {
-        add_drift(&m->since_quiet, time, bodies);
+        add_drift(m, SINCE_QUIET, time, bodies);
     }
     if (step == m->fixed_step) {
-        begin_drift(&m->since_fixed, time, bodies);
-    } else if (step > m->fixed_step) {
-        add_drift(&m->since_fixed, time, bodies);
+        begin_drift(m, SINCE_FIXED, time, bodies);
+    } else if (step > m->fixed_step && !m->follows_settled) {
+        add_drift(m, SINCE_FIXED, time, bodies);
     }
 }
 
@@ -401,16 +387,8 @@ static void collect(void *state, const pl_run_view *view, pl_metric *item)
 {
     motion *m = state;
     item[PL_METRIC_SETTLE_TIME] = settle_metric(m, view->step.number);
-    if (m->supported) {
-        item[PL_METRIC_LIFT] = pl_series_metric(&m->lift, m->lift.max);
-    }
-    if (m->scene->travel_count > 0) {
-        item[PL_METRIC_PATH_DEVIATION] = pl_series_metric(&m->deviation, m->deviation.max);
-    }
     drift_metrics(m, item);
-    if (m->dynamic_count > 0) {
-        spread_metrics(m, view->last, item);
-    }
+    spread_metrics(m, view->last, item);
 }
 
-const pl_module pl_motion_module = {create, see, collect, .needs_no_motion = false};
+const pl_module pl_motion_module = {create, see, collect, .sees_start = true};

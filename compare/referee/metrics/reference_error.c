@@ -1,13 +1,12 @@
 /* Errors against the references of a scene. Those against the discrete answers are of the engine's
- * own integrator (discrete_answer.h), less what rounding of the declared precision explains.
+ * own integrator (discrete_answer.c), less what rounding of the declared precision explains.
  *
  * Rounding: with c of pl_step_rounding, a step changes a velocity v by up to c (|v| + h |g|), a spin
  * w by c (|w| + h |g| / R), a position x by c |x| and an orientation by c. The changes of all steps
  * add up, and those of velocities also move the body, by h each step. */
-#include "reference_error.h"
+#include "expectations.h"
 
 #include "base/hash.h"
-#include "discrete_answer.h"
 #include "referee/geometry/solid.h"
 
 #include <string.h>
@@ -27,13 +26,6 @@ static void raise_to(pl_metric *metric, double error)
 typedef struct blur {
     double rate, value;
 } blur;
-
-/* Adds a step, in which the body came to a rate of this size, and a place of this size. */
-static void add_blur(blur *b, double rounding, double dt, double rate, double size)
-{
-    b->rate += rounding * rate;
-    b->value += rounding * size + dt * b->rate;
-}
 
 /* ---- Expected values ---- */
 
@@ -57,26 +49,22 @@ struct pl_values {
     const pl_scene *scene;
     reading *items; /* (scene->value_count) */
     blur *travels;  /* (scene->travel_count) */
-    pl_referee_engine engine;
+    const pl_integrator_votes *votes;
 };
 
-pl_values *pl_values_create(const pl_scene *scene, pl_arena *arena)
+pl_values *pl_values_create(const pl_scene *scene, const pl_integrator_votes *votes,
+                            pl_arena *arena)
 {
     pl_values *v = pl_arena_take(arena, 1, sizeof *v);
     reading *items = pl_arena_take(arena, (size_t)scene->value_count, sizeof *items);
     blur *travels = pl_arena_take(arena, (size_t)scene->travel_count, sizeof *travels);
-    *v = (pl_values){.scene = scene, .items = items, .travels = travels};
+    *v = (pl_values){.scene = scene, .items = items, .travels = travels, .votes = votes};
     for (int i = 0; i < scene->value_count; ++i) {
         items[i].expected = &scene->values[i];
         items[i].direction = pl_vec_of(scene->values[i].direction);
         items[i].found = scene->values[i].quantity == PL_QUANTITY_APEX ? -HUGE_VAL : 0;
     }
     return v;
-}
-
-void pl_values_set_engine(pl_values *values, const pl_referee_engine *engine)
-{
-    values->engine = *engine;
 }
 
 /* The component along d of the rotation vector from orientation a to b, rad. */
@@ -205,11 +193,12 @@ static void see_value(const pl_scene *scene, reading *r, long step, const pl_bod
     }
 }
 
+/* Adds what rounding explains of a body's place and velocity in a step, or of its turn and spin. */
 static void see_blur(const pl_values *values, blur *b, int body, bool turns,
-                     const pl_body_state *bodies)
+                     const pl_body_state *state)
 {
     const pl_scene *scene = values->scene;
-    const pl_body_state *state = &bodies[body];
+    const double c = pl_step_rounding(&values->votes->engine);
     double fall = scene->dt * pl_vec_length(pl_vec_of(scene->gravity));
     double rate = pl_vec_length(pl_vec_of(state->velocity)), size = 1;
     if (turns) {
@@ -218,7 +207,8 @@ static void see_blur(const pl_values *values, blur *b, int body, bool turns,
     } else {
         size = pl_vec_length(pl_vec_of(state->position));
     }
-    add_blur(b, pl_step_rounding(&values->engine), scene->dt, rate + fall, size);
+    b->rate += c * (rate + fall);
+    b->value += c * size + scene->dt * b->rate;
 }
 
 void pl_values_see(pl_values *values, long step, const pl_body_state *bodies)
@@ -229,12 +219,14 @@ void pl_values_see(pl_values *values, long step, const pl_body_state *bodies)
         const pl_quantity quantity = r->expected->quantity;
         if ((double)step * scene->dt < r->expected->until + scene->dt) {
             see_blur(values, &r->blur, r->expected->body,
-                     quantity == PL_QUANTITY_SPIN || quantity == PL_QUANTITY_TURN, bodies);
+                     quantity == PL_QUANTITY_SPIN || quantity == PL_QUANTITY_TURN,
+                     &bodies[r->expected->body]);
         }
         see_value(scene, r, step, &bodies[r->expected->body]);
     }
     for (int i = 0; i < scene->travel_count; ++i) {
-        see_blur(values, &values->travels[i], scene->travels[i].body, false, bodies);
+        const int body = scene->travels[i].body;
+        see_blur(values, &values->travels[i], body, false, &bodies[body]);
     }
 }
 
@@ -275,17 +267,13 @@ static void raise_to_nearest(pl_metric *metric, const answer_errors *errors)
     }
 }
 
-double pl_value_error(const pl_expect_value *expected, double found)
+/* How far a number is from what is expected, or beyond it if that is a bound; in its unit. */
+static double error_of(const pl_expect_value *expected, double found)
 {
     const double above = found - expected->value;
     return expected->bound == PL_BOUND_AT_MOST    ? fmax(above, 0)
            : expected->bound == PL_BOUND_AT_LEAST ? fmax(-above, 0)
                                                   : fabs(above);
-}
-
-const pl_scene *pl_values_scene(const pl_values *values)
-{
-    return values->scene;
 }
 
 bool pl_values_lack(const pl_values *values, int index)
@@ -320,7 +308,7 @@ static pl_metric value_error(const pl_values *values)
         if (isnan(found) && e->quantity == PL_QUANTITY_PERIOD) {
             return pl_metric_failed("no whole period was seen from %g to %g s", e->from, e->until);
         }
-        add_error(&errors, &values->items[i], pl_value_error(e, found));
+        add_error(&errors, &values->items[i], error_of(e, found));
     }
     raise_to_nearest(&metric, &errors);
     return metric;
@@ -398,7 +386,7 @@ static bool has_discrete_answers(const pl_scene *scene)
 
 static pl_metric no_discrete_answer(const pl_values *values, int body)
 {
-    const int substeps = pl_substeps_of(&values->engine);
+    const int substeps = pl_substeps_of(&values->votes->engine);
     return pl_metric_failed("no exact answer of the integrator with %d sub-step%s is known for "
                             "body \"%.40s\"",
                             substeps, substeps == 1 ? "" : "s", values->scene->bodies[body].name);
@@ -420,7 +408,7 @@ static pl_metric discrete_error_of(const pl_values *values, const pl_body_state 
     answer_errors errors = no_errors();
     for (int i = 0; i < scene->travel_count; ++i) {
         const pl_expect_travel *travel = &scene->travels[i];
-        const double answer = pl_discrete_travel(scene, travel, rule, &values->engine);
+        const double answer = pl_discrete_travel(scene, travel, rule, &values->votes->engine);
         if (isnan(answer)) {
             return no_discrete_answer(values, travel->body);
         }
@@ -430,7 +418,7 @@ static pl_metric discrete_error_of(const pl_values *values, const pl_body_state 
     for (int i = 0; i < scene->value_count; ++i) {
         const reading *r = &values->items[i];
         const pl_expect_value *e = r->expected;
-        const double answer = pl_discrete_value(scene, e, rule, &values->engine);
+        const double answer = pl_discrete_value(scene, e, rule, &values->votes->engine);
         if (isnan(answer)) {
             return no_discrete_answer(values, e->body);
         }
@@ -445,9 +433,9 @@ static pl_metric discrete_error_of(const pl_values *values, const pl_body_state 
 
 /* Absent where the scene has no discrete answers. Where the integrator was not detected, an error
  * counts if it is the same by every integrator. */
-static pl_metric discrete_error(const pl_values *values, const pl_body_state *bodies,
-                                const pl_integrator_votes *votes)
+static pl_metric discrete_error(const pl_values *values, const pl_body_state *bodies)
 {
+    const pl_integrator_votes *votes = values->votes;
     if (!has_discrete_answers(values->scene)) {
         return (pl_metric){0};
     }
@@ -497,15 +485,14 @@ static pl_metric state_hash(const pl_scene *scene, const pl_body_state *bodies)
     return text_metric(pl_hash_hex(hash, text));
 }
 
-void pl_reference_metrics(const pl_values *values, const pl_body_state *last,
-                          const pl_integrator_votes *votes, pl_metric *item)
+void pl_reference_metrics(const pl_values *values, const pl_body_state *last, pl_metric *item)
 {
     const pl_scene *scene = values->scene;
     item[PL_METRIC_REST_POSITION_ERROR] = rest_position_error(scene, last);
     item[PL_METRIC_REST_ROTATION_ERROR] = rest_rotation_error(scene, last);
     item[PL_METRIC_TRAVEL_ERROR] = travel_error(scene, last);
     item[PL_METRIC_VALUE_ERROR] = value_error(values);
-    item[PL_METRIC_DISCRETE_ERROR] = discrete_error(values, last, votes);
-    item[PL_METRIC_INTEGRATOR] = integrator_metric(votes);
+    item[PL_METRIC_DISCRETE_ERROR] = discrete_error(values, last);
+    item[PL_METRIC_INTEGRATOR] = integrator_metric(values->votes);
     item[PL_METRIC_STATE_HASH] = state_hash(scene, last);
 }

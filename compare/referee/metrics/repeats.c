@@ -1,4 +1,4 @@
-#include "repeats.h"
+#include "modules.h"
 
 #include <string.h>
 
@@ -6,9 +6,9 @@ struct pl_repeated_steps {
     const pl_scene *scene;
     pl_arena *arena;
     bool stood;             /* no state changed in the last step */
-    pl_contact *contacts;   /* (count, capacity): of the last step */
-    pl_contact_time *times; /* (count, capacity) */
-    int count, capacity;
+    pl_contact *contacts;   /* (count of capacity): of the last step */
+    pl_contact_time *times; /* (count of time_capacity) */
+    int count, capacity, time_capacity;
     bool has_times;
 };
 
@@ -19,44 +19,13 @@ pl_repeated_steps *pl_repeated_steps_create(const pl_scene *scene, pl_arena *are
     return r;
 }
 
-/* The memory of smaller arrays is the arena's until its end. */
-static void reserve(pl_repeated_steps *r, int count)
-{
-    if (count <= r->capacity) {
-        return;
-    }
-    r->capacity = 2 * r->capacity > count ? 2 * r->capacity : count;
-    r->contacts = pl_arena_take(r->arena, (size_t)r->capacity, sizeof *r->contacts);
-    r->times = pl_arena_take(r->arena, (size_t)r->capacity, sizeof *r->times);
-}
-
-static bool same_place(const pl_contact_place *a, const pl_contact_place *b)
-{
-    bool same = true;
-    for (int k = 0; k < 3; ++k) {
-        same &= a->arm_a[k] == b->arm_a[k] && a->arm_b[k] == b->arm_b[k] &&
-                a->normal[k] == b->normal[k];
-    }
-    return same;
-}
-
-static bool same_times(const pl_contact_time *a, const pl_contact_time *b, int count)
-{
-    bool same = true;
-    for (int i = 0; i < count && same; ++i) {
-        same = a[i].begin == b[i].begin && a[i].end == b[i].end && a[i].order == b[i].order &&
-               same_place(&a[i].acts, &b[i].acts) && same_place(&a[i].holds, &b[i].holds);
-    }
-    return same;
-}
-
 static bool same_contacts(const pl_repeated_steps *r, const pl_step *step)
 {
-    const int count = step->contact_count;
-    return count == r->count && (step->times != NULL) == r->has_times &&
-           (count <= 0 ||
-            (memcmp(step->contacts, r->contacts, (size_t)count * sizeof *r->contacts) == 0 &&
-             (!r->has_times || same_times(step->times, r->times, count))));
+    const size_t count = step->contact_count > 0 ? (size_t)step->contact_count : 0;
+    return step->contact_count == r->count && (step->times != NULL) == r->has_times &&
+           (count == 0 || memcmp(step->contacts, r->contacts, count * sizeof *r->contacts) == 0) &&
+           (count == 0 || !r->has_times ||
+            memcmp(step->times, r->times, count * sizeof *r->times) == 0);
 }
 
 static void keep(pl_repeated_steps *r, const pl_step *step)
@@ -65,11 +34,12 @@ static void keep(pl_repeated_steps *r, const pl_step *step)
     r->count = count;
     r->has_times = step->times != NULL;
     if (count > 0) {
-        reserve(r, count);
+        pl_arena_reserve(r->arena, &r->contacts, &r->capacity, count, sizeof *r->contacts);
         memcpy(r->contacts, step->contacts, (size_t)count * sizeof *r->contacts);
-        if (r->has_times) {
-            memcpy(r->times, step->times, (size_t)count * sizeof *r->times);
-        }
+    }
+    if (count > 0 && r->has_times) {
+        pl_arena_reserve(r->arena, &r->times, &r->time_capacity, count, sizeof *r->times);
+        memcpy(r->times, step->times, (size_t)count * sizeof *r->times);
     }
 }
 

@@ -8,7 +8,7 @@
  *
  * No place is farther from where the body began than that speed and the duration take it. Bodies that
  * overlap are moved apart without a speed: that is what D and 100 m are added for. */
-#include "scale.h"
+#include "mechanics.h"
 
 #include "referee/geometry/solid.h"
 

@@ -63,18 +63,12 @@ double pl_series_percentile(const pl_series *series, double q)
     return 0;
 }
 
-double pl_series_mean(const pl_series *series)
+pl_metric pl_series_metric(const pl_series *series, unsigned traits)
 {
-    return series->count > 0 ? series->sum / (double)series->count : 0;
-}
-
-double pl_series_rms(const pl_series *series)
-{
-    return series->count > 0 ? sqrt(series->square_sum / (double)series->count) : 0;
-}
-
-pl_metric pl_series_metric(const pl_series *series, double value)
-{
+    const double count = series->count > 0 ? (double)series->count : 1;
+    const double value = (traits & PL_TRAIT_MEAN) != 0  ? series->sum / count
+                         : (traits & PL_TRAIT_RMS) != 0 ? sqrt(series->square_sum / count)
+                                                        : series->max;
     if (!isfinite(value)) {
         return pl_metric_failed("not finite at step %ld", series->worst_step);
     }

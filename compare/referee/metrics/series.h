@@ -25,6 +25,7 @@ typedef struct pl_series {
     uint64_t count;
     double sum, square_sum, max;
     long worst_step; /* the first step at which max was seen; 0 before any */
+    bool applies;    /* its metric has a value, 0, even if none was seen */
 } pl_series;
 
 enum { PL_SERIES_BINS = 128 * 128 + 2 }; /* 128 octaves, and the two outer bins */
@@ -47,14 +48,8 @@ static inline double pl_or_infinity(double value)
  * series. */
 double pl_series_percentile(const pl_series *series, double q);
 
-/* The mean; 0 of an empty series. */
-double pl_series_mean(const pl_series *series);
-
-/* The root of the mean square; 0 of an empty series. */
-double pl_series_rms(const pl_series *series);
-
-/* A metric with `value` and the series' percentiles and worst step. PL_METRIC_FAILED when `value`
- * is not finite. */
-pl_metric pl_series_metric(const pl_series *series, double value);
+/* The metric of a series with these traits: the maximum, mean or root of the mean square, 0 of an empty
+ * series, with percentiles and worst step. PL_METRIC_FAILED when it is not finite. */
+pl_metric pl_series_metric(const pl_series *series, unsigned traits);
 
 #endif

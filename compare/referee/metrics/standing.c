@@ -3,49 +3,45 @@
  * bodies that touch in the reference have moved against each other: the change of the place of one
  * in the frame of the other. Of the two frames the one that sees less counts, because a body that
  * rolls on the spot moves everything in its own frame. */
-#include "standing.h"
+#include "expectations.h"
 
 #include "plumb/vec.h"
 #include "referee/geometry/solid.h"
-#include "reference_error.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* Of the smaller bounding radius: a gap below it is none. */
-static const double TOUCHING_GAP = 1e-3;
 /* Of the speed of a fall by the collapse distance: what is slower stands, and creeps. */
 static const double FALLING_SPEED = 0.05;
 
-struct pl_standing {
+typedef struct standing {
     const pl_scene *scene;
     pl_body_state *rest; /* (body_count): the poses of the reference */
     bool *has_neighbour; /* (body_count): touches another body in the reference */
     const pl_body_state *last;
     double *shift; /* (body_count): the largest shift against a body that it should touch, m */
     double worst;  /* the largest shift of all */
-};
+} standing;
 
-pl_standing *pl_standing_create(const pl_scene *scene, pl_arena *arena)
+static standing create(const pl_scene *scene, const pl_body_state *last, pl_arena *arena)
 {
-    /* A scene without an expected rest is never judged. */
-    const size_t count = scene->rest_count > 0 ? (size_t)scene->body_count : 0;
-    pl_standing *s = pl_arena_take(arena, 1, sizeof *s);
-    *s = (pl_standing){.scene = scene,
-                       .rest = pl_arena_take(arena, count, sizeof *s->rest),
-                       .has_neighbour = pl_arena_take(arena, count, sizeof *s->has_neighbour),
-                       .shift = pl_arena_take(arena, count, sizeof *s->shift)};
+    const size_t count = (size_t)scene->body_count;
+    standing s = {.scene = scene,
+                  .last = last,
+                  .rest = pl_arena_take(arena, count, sizeof *s.rest),
+                  .has_neighbour = pl_arena_take(arena, count, sizeof *s.has_neighbour),
+                  .shift = pl_arena_take(arena, count, sizeof *s.shift)};
     for (size_t i = 0; i < count; ++i) {
         const pl_body *body = &scene->bodies[i];
-        memcpy(s->rest[i].position, body->position, sizeof body->position);
-        memcpy(s->rest[i].orientation, body->orientation, sizeof body->orientation);
+        memcpy(s.rest[i].position, body->position, sizeof body->position);
+        memcpy(s.rest[i].orientation, body->orientation, sizeof body->orientation);
     }
     for (int i = 0; i < scene->rest_count; ++i) {
         const pl_expect_rest *rest = &scene->rests[i];
-        memcpy(s->rest[rest->body].position, rest->position, sizeof rest->position);
+        memcpy(s.rest[rest->body].position, rest->position, sizeof rest->position);
         if (rest->has_orientation) {
-            memcpy(s->rest[rest->body].orientation, rest->orientation, sizeof rest->orientation);
+            memcpy(s.rest[rest->body].orientation, rest->orientation, sizeof rest->orientation);
         }
     }
     return s;
@@ -59,7 +55,7 @@ static pl_vec place_in(const pl_body_state *frame, const pl_body_state *body)
 }
 
 /* How far `body` has moved in the frame of `of`, m. */
-static double shift_in(const pl_standing *s, int of, int body)
+static double shift_in(const standing *s, int of, int body)
 {
     const bool fixed = s->scene->bodies[of].is_static;
     const pl_body_state *frame = fixed ? &s->rest[of] : &s->last[of];
@@ -67,17 +63,11 @@ static double shift_in(const pl_standing *s, int of, int body)
         pl_vec_sub(place_in(frame, &s->last[body]), place_in(&s->rest[of], &s->rest[body])));
 }
 
+/* Nothing moves in the reference, so that bodies meet there if they touch. */
 static void see_pair(void *context, const pl_near_pair *pair)
 {
-    pl_standing *s = context;
+    standing *s = context;
     const pl_body *a = &s->scene->bodies[pair->a], *b = &s->scene->bodies[pair->b];
-    const double ra = pl_bounding_radius(&a->shape), rb = pl_bounding_radius(&b->shape);
-    const double radius = ra == 0 ? rb : rb == 0 ? ra : fmin(ra, rb);
-    const bool touches =
-        pair->meets || (pair->status == PL_OK && pair->gap <= TOUCHING_GAP * radius);
-    if (!touches) {
-        return;
-    }
     const double in_a = a->is_static || !b->is_static ? shift_in(s, pair->a, pair->b) : HUGE_VAL;
     const double in_b = b->is_static || !a->is_static ? shift_in(s, pair->b, pair->a) : HUGE_VAL;
     const double shift = fmin(in_a, in_b);
@@ -88,7 +78,7 @@ static void see_pair(void *context, const pl_near_pair *pair)
 }
 
 /* Whether something of the scene falls: a body that is far from its rest and fast, or alone. */
-static bool falls(const pl_standing *s)
+static bool falls(const standing *s)
 {
     const double far = s->scene->collapse_distance;
     const double fast = FALLING_SPEED * sqrt(2 * pl_vec_length(pl_vec_of(s->scene->gravity)) * far);
@@ -113,7 +103,7 @@ static double visible(const pl_scene *scene)
 
 /* Says how `body` has moved by `distance`, m. A body that has moved by more than its size against its
  * support does not stand on it. */
-static void describe(const pl_standing *s, int body, double distance, pl_note *note)
+static void describe(const standing *s, int body, double distance, pl_note *note)
 {
     const pl_vec gravity = pl_vec_of(s->scene->gravity);
     const double g = pl_vec_length(gravity);
@@ -138,28 +128,29 @@ static void describe(const pl_standing *s, int body, double distance, pl_note *n
              name, distance, where);
 }
 
-pl_ending pl_standing_judge(pl_standing *s, pl_candidate_pairs *pairs, const pl_body_state *last,
-                            pl_note *note, pl_error *error)
+pl_ending pl_standing_judge(const pl_scene *scene, pl_candidate_pairs *pairs,
+                            const pl_body_state *last, pl_note *note, pl_error *error)
 {
-    const pl_scene *scene = s->scene;
     double distance = 0;
     const int farthest = pl_farthest_from_rest(scene, last, &distance);
+    pl_ending ending = PL_ENDING_OK;
     note->text[0] = '\0';
     if (farthest < 0 || !(distance > visible(scene))) {
-        return PL_ENDING_OK;
+        return ending;
     }
     const int body = scene->rests[farthest].body;
-    s->last = last;
-    s->worst = 0;
-    memset(s->shift, 0, (size_t)scene->body_count * sizeof *s->shift);
-    memset(s->has_neighbour, 0, (size_t)scene->body_count * sizeof *s->has_neighbour);
-    pl_candidate_pairs_each(pairs, s->rest, NULL, see_pair, s);
-    if (distance > scene->collapse_distance && (s->worst > scene->collapse_distance || falls(s))) {
+    pl_arena arena = {0};
+    standing s = create(scene, last, &arena);
+    pl_candidate_pairs_find(pairs, s.rest, 1, NULL, NULL);
+    pl_candidate_pairs_each(pairs, see_pair, &s);
+    if (distance > scene->collapse_distance && (s.worst > scene->collapse_distance || falls(&s))) {
         (void)pl_fail(error, PL_FAILED,
                       "body \"%s\" ended %.3g m from its reference, beyond %.3g m",
                       scene->bodies[body].name, distance, scene->collapse_distance);
-        return PL_ENDING_COLLAPSED;
+        ending = PL_ENDING_COLLAPSED;
+    } else {
+        describe(&s, body, distance, note);
     }
-    describe(s, body, distance, note);
-    return PL_ENDING_OK;
+    pl_arena_free(&arena);
+    return ending;
 }

@@ -4,29 +4,8 @@
  * together. Source: Galler and Fischer 1964; path halving, Tarjan and van Leeuwen 1984. */
 #include "modules.h"
 
-#include "series.h"
-
 #include <math.h>
 #include <string.h>
-
-struct pl_touching {
-    const pl_scene *scene;
-    long step; /* of the current frame */
-
-    pl_series depth; /* of each touching pair (gap <= 0) at each step */
-    double deepest;  /* so far in the current frame */
-    long rest_from;  /* first step of the last second */
-    double rest_sum; /* of the deepest of each frame */
-    long rest_count;
-    bool met_static;
-    int unknown_a, unknown_b; /* the first pair whose gap could not be computed */
-    long unknown_step;        /* -1: none */
-
-    int *now, *both; /* (body_count): parents; a root is its own parent and the least of its set */
-    double *sum;     /* (body_count): by root */
-    bool *met, *last_met;         /* (body_count): meets another body in a frame */
-    double *depths, *last_depths; /* (body_count): sums of a body's overlaps in a frame, m */
-};
 
 static void separate(int *parents, int count)
 {
@@ -35,21 +14,18 @@ static void separate(int *parents, int count)
     }
 }
 
-pl_touching *pl_touching_create(const pl_scene *scene, pl_arena *arena)
+pl_touching *pl_touching_create(const pl_scene *scene, pl_series *depths, pl_arena *arena)
 {
     size_t count = (size_t)scene->body_count;
     pl_touching *t = pl_arena_take(arena, 1, sizeof *t);
-    pl_series_init(&t->depth, arena);
     t->scene = scene;
+    t->depths = depths;
+    t->bodies = pl_arena_take(arena, count, sizeof *t->bodies);
     t->rest_from = pl_scene_steps(scene) - lround(1 / scene->dt) + 1;
     t->unknown_step = -1;
     t->now = pl_arena_take(arena, count, sizeof *t->now);
     t->both = pl_arena_take(arena, count, sizeof *t->both);
     t->sum = pl_arena_take(arena, count, sizeof *t->sum);
-    t->met = pl_arena_take(arena, count, sizeof *t->met);
-    t->last_met = pl_arena_take(arena, count, sizeof *t->last_met);
-    t->depths = pl_arena_take(arena, count, sizeof *t->depths);
-    t->last_depths = pl_arena_take(arena, count, sizeof *t->last_depths);
     separate(t->now, scene->body_count);
     return t;
 }
@@ -75,22 +51,20 @@ void pl_touching_begin(pl_touching *t, long step)
     t->deepest = 0;
     memcpy(t->both, t->now, (size_t)t->scene->body_count * sizeof *t->both);
     separate(t->now, t->scene->body_count);
-    memcpy(t->last_depths, t->depths, (size_t)t->scene->body_count * sizeof *t->depths);
-    memset(t->depths, 0, (size_t)t->scene->body_count * sizeof *t->depths);
-    memcpy(t->last_met, t->met, (size_t)t->scene->body_count * sizeof *t->met);
-    memset(t->met, 0, (size_t)t->scene->body_count * sizeof *t->met);
+    for (int i = 0; i < t->scene->body_count; ++i) {
+        pl_touched *body = &t->bodies[i];
+        *body = (pl_touched){.met_before = body->met, .depth_before = body->depth};
+    }
 }
 
 void pl_touching_see(void *touching, const pl_near_pair *pair)
 {
     pl_touching *t = touching;
     const pl_body *bodies = t->scene->bodies;
-    if (pair->meets) {
-        t->met[pair->a] = t->met[pair->b] = true;
-    }
-    if (pair->meets && (bodies[pair->a].is_static || bodies[pair->b].is_static)) {
+    t->bodies[pair->a].met = t->bodies[pair->b].met = true;
+    if (bodies[pair->a].is_static || bodies[pair->b].is_static) {
         t->met_static = true;
-    } else if (pair->meets) {
+    } else {
         unite(t->now, pair->a, pair->b);
         unite(t->both, pair->a, pair->b);
     }
@@ -102,10 +76,10 @@ void pl_touching_see(void *touching, const pl_near_pair *pair)
         }
     } else if (pair->gap <= 0) {
         t->deepest = fmax(t->deepest, -pair->gap);
-        t->depths[pair->a] -= pair->gap;
-        t->depths[pair->b] -= pair->gap;
+        t->bodies[pair->a].depth -= pair->gap;
+        t->bodies[pair->b].depth -= pair->gap;
         if (t->step > 0) {
-            pl_series_add(&t->depth, -pair->gap, t->step);
+            pl_series_add(t->depths, -pair->gap, t->step);
         }
     }
 }
@@ -118,29 +92,9 @@ void pl_touching_end(pl_touching *t)
     }
 }
 
-bool pl_touching_static(const pl_touching *t)
-{
-    return t->met_static;
-}
-
 int pl_touching_island(pl_touching *t, int body)
 {
     return root_of(t->both, body);
-}
-
-double pl_touching_deepest(const pl_touching *t)
-{
-    return t->deepest;
-}
-
-double pl_touching_depth(const pl_touching *t, int body)
-{
-    return t->depths[body] + t->last_depths[body];
-}
-
-bool pl_touching_flew(const pl_touching *t, int body)
-{
-    return !t->met[body] && !t->last_met[body];
 }
 
 double pl_touching_island_max(pl_touching *t, const double *growth)
@@ -161,17 +115,22 @@ double pl_touching_island_max(pl_touching *t, const double *growth)
     return largest > -HUGE_VAL ? largest : 0;
 }
 
+static void *create(const pl_run_view *view, pl_arena *arena)
+{
+    (void)arena;
+    view->series[PL_METRIC_PENETRATION_MAX]->applies = view->scene->body_count > 1;
+    return view->touching;
+}
+
 /* Both metrics are PL_METRIC_FAILED if the gap of any pair could not be computed. */
 static void collect(void *state, const pl_run_view *view, pl_metric *item)
 {
-    (void)state;
-    const pl_touching *t = view->touching;
+    const pl_touching *t = state;
     if (view->scene->body_count < 2) {
         return;
     }
-    double mean = t->rest_count > 0 ? t->rest_sum / (double)t->rest_count : 0;
-    item[PL_METRIC_PENETRATION_MAX] = pl_series_metric(&t->depth, t->depth.max);
-    item[PL_METRIC_PENETRATION_REST] = pl_metric_value(mean);
+    item[PL_METRIC_PENETRATION_REST] =
+        pl_metric_value(t->rest_count > 0 ? t->rest_sum / (double)t->rest_count : 0);
     if (t->unknown_step >= 0) {
         item[PL_METRIC_PENETRATION_MAX] = item[PL_METRIC_PENETRATION_REST] =
             pl_metric_failed("no gap found for \"%.30s\" and \"%.30s\" at step %ld",
@@ -180,4 +139,4 @@ static void collect(void *state, const pl_run_view *view, pl_metric *item)
     }
 }
 
-const pl_module pl_touching_module = {NULL, NULL, collect, .needs_no_motion = false};
+const pl_module pl_touching_module = {.create = create, .collect = collect};

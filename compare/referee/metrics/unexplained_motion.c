@@ -17,33 +17,34 @@
 #include "modules.h"
 #include "plumb/vec.h"
 #include "referee/geometry/solid.h"
-#include "series.h"
 
 #include <string.h>
+
+/* What an island allows its bodies. */
+typedef struct island {
+    double speed;  /* m/s, the largest */
+    double depth;  /* m, of all overlaps */
+    double energy; /* J, kinetic, at most */
+} island;
 
 typedef struct unexplained {
     const pl_scene *scene;
     double *radius;       /* (body_count): bounding radii, m */
     double *acceleration; /* (body_count): |g| + F/m, m/s^2 */
-    double *speed;        /* (body_count): of an island, by its root, m/s */
-    double *depth;        /* (body_count): of an island, by its root, m */
-    double *energy;       /* (body_count): kinetic, of an island, by its root, at most, J */
+    island *islands;      /* (body_count): by the root of each */
     bool rebounds;        /* a pair of materials has restitution */
-    pl_series motion, free_flight;
 } unexplained;
 
-static void *create(const pl_scene *scene, pl_arena *arena)
+static void *create(const pl_run_view *view, pl_arena *arena)
 {
+    const pl_scene *scene = view->scene;
     const size_t count = (size_t)scene->body_count;
     unexplained *m = pl_arena_take(arena, 1, sizeof *m);
     *m = (unexplained){.scene = scene,
                        .radius = pl_arena_take(arena, count, sizeof *m->radius),
                        .acceleration = pl_arena_take(arena, count, sizeof *m->acceleration),
-                       .speed = pl_arena_take(arena, count, sizeof *m->speed),
-                       .depth = pl_arena_take(arena, count, sizeof *m->depth),
-                       .energy = pl_arena_take(arena, count, sizeof *m->energy)};
-    pl_series_init(&m->motion, arena);
-    pl_series_init(&m->free_flight, arena);
+                       .islands = pl_arena_take(arena, count, sizeof *m->islands)};
+    view->series[PL_METRIC_UNEXPLAINED_MOTION]->applies = true;
     for (int i = 0; i < scene->material_count; ++i) {
         m->rebounds = m->rebounds || scene->materials[i].restitution > 0;
     }
@@ -71,11 +72,10 @@ static double speed_of(const unexplained *m, int body, const pl_body_state *stat
            m->radius[body] * pl_vec_length(pl_vec_of(state->angular_velocity));
 }
 
-/* The largest speed that a body of the island, whose root is `root`, can have had in the step. */
-static double explained_speed(const unexplained *m, int body, int root)
+/* The largest speed that a body of the island can have had in the step. */
+static double explained_speed(const unexplained *m, const pl_body *body, const island *of)
 {
-    const double alone = sqrt(2 * m->energy[root] / m->scene->bodies[body].mass);
-    return m->rebounds ? fmax(m->speed[root], alone) : m->speed[root];
+    return m->rebounds ? fmax(of->speed, sqrt(2 * of->energy / body->mass)) : of->speed;
 }
 
 /* The largest unexplained motion of a dynamic body over its bounding radius; at least 0. */
@@ -85,26 +85,24 @@ static double unexplained_motion(unexplained *m, pl_touching *touching, const pl
     const pl_scene *scene = m->scene;
     const double h = scene->dt;
     double most = 0;
-    memset(m->speed, 0, (size_t)scene->body_count * sizeof *m->speed);
-    memset(m->depth, 0, (size_t)scene->body_count * sizeof *m->depth);
-    memset(m->energy, 0, (size_t)scene->body_count * sizeof *m->energy);
+    memset(m->islands, 0, (size_t)scene->body_count * sizeof *m->islands);
     for (int i = 0; i < scene->body_count; ++i) {
         if (!scene->bodies[i].is_static) {
-            const int root = pl_touching_island(touching, i);
+            island *of = &m->islands[pl_touching_island(touching, i)];
             const double speed = fmax(speed_of(m, i, &before[i]), speed_of(m, i, &after[i]));
-            m->speed[root] = fmax(m->speed[root], speed);
-            m->depth[root] += pl_touching_depth(touching, i);
-            m->energy[root] += 0.5 * scene->bodies[i].mass * speed * speed;
+            of->speed = fmax(of->speed, speed);
+            of->depth += touching->bodies[i].depth + touching->bodies[i].depth_before;
+            of->energy += 0.5 * scene->bodies[i].mass * speed * speed;
         }
     }
     for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         if (!body->is_static) {
-            const int root = pl_touching_island(touching, i);
+            const island *of = &m->islands[pl_touching_island(touching, i)];
             const double moved = pl_vec_length(
                 pl_vec_sub(pl_state_centre(body, &after[i]), pl_state_centre(body, &before[i])));
             const double explained =
-                h * explained_speed(m, i, root) + h * h * m->acceleration[i] + m->depth[root];
+                h * explained_speed(m, body, of) + h * h * m->acceleration[i] + of->depth;
             most = fmax(most, (moved - explained) / m->radius[i]);
         }
     }
@@ -122,7 +120,8 @@ static double free_flight_error(const unexplained *m, const pl_touching *touchin
     double most = (double)NAN;
     for (int i = 0; i < scene->body_count && g > 0; ++i) {
         const bool is_free = !scene->bodies[i].is_static && m->acceleration[i] == g;
-        if (is_free && pl_touching_flew(touching, i)) {
+        const bool flew = !touching->bodies[i].met && !touching->bodies[i].met_before;
+        if (is_free && flew) {
             const pl_vec change =
                 pl_vec_sub(pl_vec_of(after[i].velocity), pl_vec_of(before[i].velocity));
             most = fmax(most, pl_vec_length(pl_vec_mad(change, -h, gravity)) / (h * g));
@@ -134,24 +133,11 @@ static double free_flight_error(const unexplained *m, const pl_touching *touchin
 static void see(void *state, const pl_run_view *view)
 {
     unexplained *m = state;
-    const pl_step *step = &view->step;
-    if (step->number > 0) {
-        pl_series_add(&m->motion, unexplained_motion(m, view->touching, step->before, step->after),
-                      step->number);
-        pl_series_add(&m->free_flight,
-                      free_flight_error(m, view->touching, step->before, step->after),
-                      step->number);
-    }
+    const pl_body_state *before = view->step.before, *after = view->step.after;
+    pl_see_value(view, PL_METRIC_UNEXPLAINED_MOTION,
+                 unexplained_motion(m, view->touching, before, after));
+    pl_see_value(view, PL_METRIC_FREE_FLIGHT_ERROR,
+                 free_flight_error(m, view->touching, before, after));
 }
 
-static void collect(void *state, const pl_run_view *view, pl_metric *item)
-{
-    (void)view;
-    const unexplained *m = state;
-    item[PL_METRIC_UNEXPLAINED_MOTION] = pl_series_metric(&m->motion, m->motion.max);
-    if (m->free_flight.count > 0) {
-        item[PL_METRIC_FREE_FLIGHT_ERROR] = pl_series_metric(&m->free_flight, m->free_flight.max);
-    }
-}
-
-const pl_module pl_unexplained_motion_module = {create, see, collect, .needs_no_motion = false};
+const pl_module pl_unexplained_motion_module = {.create = create, .see = see};

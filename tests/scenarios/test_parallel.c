@@ -1,5 +1,5 @@
-/* Work that is cut into pieces, on threads. */
-#include "base/thread_pool.h"
+/* Work that several threads share. */
+#include "base/parallel.h"
 #include "check.h"
 
 #include <pthread.h>
@@ -13,15 +13,13 @@ typedef struct tally {
     atomic_int at_work, most_at_work;
 } tally;
 
-static void count_call(void *context, int begin, int end)
+static void count_call(void *context, int item)
 {
     tally *t = context;
     const int now = atomic_fetch_add(&t->at_work, 1) + 1;
     int most = atomic_load(&t->most_at_work);
     while (now > most && !atomic_compare_exchange_weak(&t->most_at_work, &most, now)) {}
-    for (int i = begin; i < end; ++i) {
-        t->calls[i] += 1;
-    }
+    t->calls[item] += 1;
     atomic_fetch_sub(&t->at_work, 1);
 }
 
@@ -29,40 +27,31 @@ static void test_each_item_is_worked_on_once(void **state)
 {
     (void)state;
     static const int counts[] = {0, 1, 2, ITEMS};
-    for (int threads = 1; threads <= MOST_THREADS; ++threads) {
-        pl_thread_pool *pool = pl_thread_pool_create(threads);
-        assert_true((pool == NULL) == (threads == 1));
+    for (int threads = 0; threads <= MOST_THREADS; ++threads) {
         for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
             tally t = {.calls = {0}};
-            /* Many short calls in a row: a thread that wakes late must take no piece of the next. */
-            for (int call = 0; call < 50; ++call) {
-                pl_thread_pool_run(pool, counts[i], 1 + call % 7, count_call, &t);
-            }
+            pl_share_work(threads, counts[i], count_call, &t);
             for (int k = 0; k < ITEMS; ++k) {
-                assert_int_equal(t.calls[k], k < counts[i] ? 50 : 0);
+                assert_int_equal(t.calls[k], k < counts[i]);
             }
-            assert_in_range(atomic_load(&t.most_at_work), 0, threads);
+            assert_in_range(atomic_load(&t.most_at_work), 0, threads < 1 ? 1 : threads);
         }
-        pl_thread_pool_destroy(pool);
     }
 }
 
-/* Two pieces that wait for each other. */
-static void meet(void *context, int begin, int end)
+/* Two items that wait for each other. */
+static void meet(void *context, int item)
 {
-    assert_int_equal(end, begin + 1);
+    assert_in_range(item, 0, 1);
     pthread_barrier_wait(context);
 }
 
-static void test_pieces_run_at_the_same_time(void **state)
+static void test_items_run_at_the_same_time(void **state)
 {
     (void)state;
     pthread_barrier_t barrier;
     pthread_barrier_init(&barrier, NULL, 2);
-    pl_thread_pool *pool = pl_thread_pool_create(2);
-    assert_non_null(pool);
-    pl_thread_pool_run(pool, 2, 1, meet, &barrier);
-    pl_thread_pool_destroy(pool);
+    pl_share_work(2, 2, meet, &barrier);
     pthread_barrier_destroy(&barrier);
 }
 
@@ -70,15 +59,14 @@ static void test_a_process_has_a_usable_cpu(void **state)
 {
     (void)state;
     assert_in_range(pl_usable_cpus(), 1, 1 << 20);
-    pl_thread_pool_destroy(NULL);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_each_item_is_worked_on_once),
-        cmocka_unit_test(test_pieces_run_at_the_same_time),
+        cmocka_unit_test(test_items_run_at_the_same_time),
         cmocka_unit_test(test_a_process_has_a_usable_cpu),
     };
-    return cmocka_run_group_tests_name("thread pool", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("parallel", tests, NULL, NULL);
 }
