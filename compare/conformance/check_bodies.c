@@ -1,6 +1,5 @@
 #include "check_bodies.h"
 
-#include "plumb/vec.h"
 #include "referee/geometry/solid.h"
 
 #include <string.h>
@@ -18,41 +17,44 @@ pl_body pl_check_any_body(pl_probe *probe)
         pl_shape_capsule(0.3, 0.5),
         pl_shape_cylinder(0.5, 0.4),
     };
-    pl_body body = pl_body_default();
-    body.mass = 2;
-    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; ++i) {
-        if (pl_check_claims(probe, (uint32_t)PL_NEEDS_PLANE << shapes[i].kind)) {
-            body.shape = shapes[i];
-            return body;
-        }
+    size_t i = 0;
+    while (i < sizeof shapes / sizeof *shapes &&
+           !pl_check_claims(probe, (uint32_t)PL_NEEDS_PLANE << shapes[i].kind)) {
+        ++i;
     }
-    body.shape = shapes[0];
-    pl_probe_skip(probe, "the engine claims no sphere, box, capsule or cylinder");
-    return body;
+    if (i == sizeof shapes / sizeof *shapes) {
+        pl_probe_skip(probe, "the engine claims no sphere, box, capsule or cylinder");
+        i = 0;
+    }
+    return (pl_body){.shape = shapes[i], .mass = 2, .orientation = {1, 0, 0, 0}};
 }
 
 pl_body pl_check_turned_body(pl_probe *probe)
 {
-    pl_body body = pl_body_default();
-    if (pl_check_claims(probe, PL_NEEDS_BOX)) {
-        body.mass = 2;
-        body.shape = pl_shape_box(0.3, 0.5, 0.8);
-    } else {
-        body = pl_check_any_body(probe);
+    const pl_shape box = pl_shape_box(0.3, 0.5, 0.8);
+    const bool has_boxes = pl_check_claims(probe, PL_NEEDS_BOX);
+    return (pl_body){.shape = has_boxes ? box : pl_check_any_body(probe).shape,
+                     .mass = 2,
+                     .orientation = {0.2, 0.4, -0.4, 0.8}};
+}
+
+/* The shape of a solid that was made; of one that was not, which fails the check, some other. */
+static pl_shape made_shape(pl_probe *probe, pl_status status, const pl_polyhedron *made,
+                           const pl_error *error)
+{
+    if (status != PL_OK) {
+        pl_probe_fail(probe, "the check's scene can be made", error->message, "");
+        return pl_shape_sphere(1);
     }
-    memcpy(body.orientation, (double[]){0.2, 0.4, -0.4, 0.8}, sizeof body.orientation);
-    return body;
+    return pl_shape_of(made);
 }
 
 static pl_shape hull_of(pl_probe *probe, const double (*points)[3], int count)
 {
     pl_error error = {.message = ""};
     const pl_polyhedron *made = NULL;
-    if (pl_scene_add_hull(&probe->scene, NULL, points, count, &made, &error) != PL_OK) {
-        pl_probe_fail(probe, "the check's scene can be made", error.message, "");
-        return pl_shape_sphere(1);
-    }
-    return pl_shape_of(made);
+    const pl_status status = pl_scene_add_hull(&probe->scene, NULL, points, count, &made, &error);
+    return made_shape(probe, status, made, &error);
 }
 
 pl_shape pl_check_skew_hull(pl_probe *probe)
@@ -101,12 +103,10 @@ static pl_shape table_mesh(pl_probe *probe, double shear)
     }
     pl_error error = {.message = ""};
     const pl_polyhedron *made = NULL;
-    if (pl_scene_add_mesh(&probe->scene, NULL, (const double(*)[3])vertices, 16,
-                          (const int(*)[3])triangles, count, &made, &error) != PL_OK) {
-        pl_probe_fail(probe, "the check's scene can be made", error.message, "");
-        return pl_shape_sphere(1);
-    }
-    return pl_shape_of(made);
+    const pl_status status =
+        pl_scene_add_mesh(&probe->scene, NULL, (const double(*)[3])vertices, 16,
+                          (const int(*)[3])triangles, count, &made, &error);
+    return made_shape(probe, status, made, &error);
 }
 
 pl_shape pl_check_table_mesh(pl_probe *probe)
@@ -128,11 +128,17 @@ int pl_check_add_floor(pl_probe *probe)
         pl_probe_skip(probe, "the engine claims no plane and no box to stand on");
         return -1;
     }
-    pl_body slab = pl_body_default();
-    slab.is_static = true;
-    slab.shape = pl_shape_box(10, 10, 5);
-    slab.position[2] = -5;
-    return pl_probe_add_body(probe, slab);
+    return pl_probe_add_body(
+        probe,
+        (pl_body){.is_static = true, .shape = pl_shape_box(10, 10, 5), .position = {0, 0, -5}});
+}
+
+int pl_check_create_floating(pl_probe *probe, double dt, pl_body body)
+{
+    pl_probe_floating(probe, dt);
+    const int index = pl_probe_add_body(probe, body);
+    pl_probe_create(probe);
+    return index;
 }
 
 double pl_check_time(const pl_probe *probe, int body)
@@ -146,14 +152,14 @@ double pl_check_time(const pl_probe *probe, int body)
     return time > 0.1 * asked && time < 10 * asked ? time : asked;
 }
 
-void pl_check_rotate(const double orientation[4], const double local[3], double world[3])
+pl_vec pl_check_rotate(const double orientation[4], pl_vec local)
 {
     const pl_axes axes = pl_axes_of(orientation);
-    pl_vec_store(pl_to_world(&axes, pl_vec_of(local)), world);
+    return pl_to_world(&axes, local);
 }
 
-void pl_check_rotate_back(const double orientation[4], const double world[3], double local[3])
+pl_vec pl_check_rotate_back(const double orientation[4], pl_vec world)
 {
     const pl_axes axes = pl_axes_of(orientation);
-    pl_vec_store(pl_to_local(&axes, pl_vec_of(world)), local);
+    return pl_to_local(&axes, world);
 }

@@ -32,6 +32,9 @@ pl_shape pl_check_table_mesh(pl_probe *probe);
  * no planes. Returns its index, or -1 after skipping the check when it claims neither. */
 int pl_check_add_floor(pl_probe *probe);
 
+/* Creates a scene of one body without gravity, whose index is returned. */
+int pl_check_create_floating(pl_probe *probe, double dt, pl_body body);
+
 /* The time, s, in which a body has moved since the start of the scene, by its path along its velocity
  * at the start, to which all forces must be perpendicular. Checks of forces take their time from it,
  * since the length of the step is the matter of another check. The time that was asked for where that
@@ -39,9 +42,9 @@ int pl_check_add_floor(pl_probe *probe);
 double pl_check_time(const pl_probe *probe, int body);
 
 /* The world's axes of the vector `local`, given in the axes of an orientation. */
-void pl_check_rotate(const double orientation[4], const double local[3], double world[3]);
+pl_vec pl_check_rotate(const double orientation[4], pl_vec local);
 
 /* The inverse of pl_check_rotate. */
-void pl_check_rotate_back(const double orientation[4], const double world[3], double local[3]);
+pl_vec pl_check_rotate_back(const double orientation[4], pl_vec world);
 
 #endif

@@ -53,8 +53,7 @@ static void run_other_scene(pl_probe *p)
     pl_body body = pl_check_any_body(p);
     body.velocity[0] = 2;
     pl_probe_add_body(p, body);
-    pl_probe_create(p);
-    pl_probe_steps(p, 20);
+    pl_probe_run(p, 20);
 }
 
 /* ---- Repetition ---- */
@@ -89,12 +88,12 @@ static void expect_same(pl_probe *p, const recording *first, const recording *se
     for (int i = 0; i < RECORDED_STEPS && !p->over; ++i) {
         for (int k = 0; k < p->scene.body_count && !p->over; ++k) {
             const pl_body_state *a = &first->bodies[i][k], *b = &second->bodies[i][k];
-            char found[PL_CHECK_TEXT_SIZE];
-            snprintf(found, sizeof found,
-                     "body %d after step %d at (%.17g, %.17g, %.17g), and then at (%.17g, %.17g, "
-                     "%.17g)",
-                     k, i + 1, a->position[0], a->position[1], a->position[2], b->position[0],
-                     b->position[1], b->position[2]);
+            const char *found = pl_probe_text(
+                p,
+                "body %d after step %d at (%.17g, %.17g, %.17g), and then at (%.17g, %.17g, "
+                "%.17g)",
+                k, i + 1, a->position[0], a->position[1], a->position[2], b->position[0],
+                b->position[1], b->position[2]);
             pl_probe_require(p, same_bits(a, b, sizeof *a), expected, found, cause);
         }
     }
@@ -190,15 +189,14 @@ static void check_modes(pl_probe *p)
 {
     skip_program(p);
     begin_heap(p);
-    pl_probe_create(p);
-    pl_probe_steps(p, 20);
+    pl_probe_run(p, 20);
     pl_session_destroy(&p->session);
     const pl_mode_change *change = &p->session.mode_change;
-    char found[PL_CHECK_TEXT_SIZE];
-    snprintf(found, sizeof found, "%s changed%s%s%s", pl_stage_name(change->stage),
-             (change->modes & PL_MODE_ROUNDING) != 0 ? " the rounding mode" : "",
-             (change->modes & PL_MODE_TRAPS) != 0 ? " which exceptions trap" : "",
-             (change->modes & PL_MODE_FLUSH) != 0 ? " the flushing of subnormal numbers" : "");
+    const char *found = pl_probe_text(
+        p, "%s changed%s%s%s", pl_stage_name(change->stage),
+        (change->modes & PL_MODE_ROUNDING) != 0 ? " the rounding mode" : "",
+        (change->modes & PL_MODE_TRAPS) != 0 ? " which exceptions trap" : "",
+        (change->modes & PL_MODE_FLUSH) != 0 ? " the flushing of subnormal numbers" : "");
     pl_probe_require(p, change->modes == 0,
                      "every call leaves the floating-point modes as it found them", found,
                      change->stage == PL_STAGE_LOAD
@@ -255,64 +253,46 @@ static double count_entries(pid_t pid, const char *name)
     return count;
 }
 
-/* What a leak would show in. */
-typedef struct holdings {
-    double memory; /* bytes */
-    double descriptors;
-    double threads;
-} holdings;
-
-static holdings holdings_now(void)
-{
-    const pid_t program = pl_process_engine_pid();
-    const pid_t pid = program > 0 ? program : getpid();
-    return (holdings){.memory = program > 0 ? private_memory(pid) : heap_in_use(),
-                      .descriptors = count_entries(pid, "fd"),
-                      .threads = count_entries(pid, "task")};
-}
+/* What a leak would show in: bytes of memory, open files, threads. */
+enum { HOLDING_COUNT = 3 };
 
 /* glibc counts freed blocks in its caches as in use, and fills these over the first rounds. A runtime
  * that collects garbage grows in some rounds, but not in all. */
 enum { ROUNDS = 20, CYCLES = 10, SETTLED_STEPS = 100 };
 
-/* The growth for each of `count` equal pieces of work in a round that is in every round after the
- * first, which warms up: the least of them. */
-static double least_growth(const double *level, int count)
+static void read_holdings(double now[HOLDING_COUNT])
 {
-    double least = INFINITY;
-    for (int i = 1; i < ROUNDS; ++i) {
-        least = fmin(least, (level[i] - level[i - 1]) / count);
-    }
-    return least;
+    const pid_t program = pl_process_engine_pid();
+    const pid_t pid = program > 0 ? program : getpid();
+    now[0] = program > 0 ? private_memory(pid) : heap_in_use();
+    now[1] = count_entries(pid, "fd");
+    now[2] = count_entries(pid, "task");
 }
 
-static void expect_no_growth(pl_probe *p, const holdings rounds[ROUNDS], int count,
+/* Expects that no holding grows in every round after the first, which warms up, for each of `count` equal
+ * pieces of work in a round. */
+static void expect_no_growth(pl_probe *p, double rounds[ROUNDS][HOLDING_COUNT], int count,
                              const char *work)
 {
     const bool is_program = p->choice->engine->command != NULL;
-    double memory[ROUNDS], descriptors[ROUNDS], threads[ROUNDS];
-    char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
-    for (int i = 0; i < ROUNDS; ++i) {
-        memory[i] = rounds[i].memory;
-        descriptors[i] = rounds[i].descriptors;
-        threads[i] = rounds[i].threads;
-    }
-    const bool is_seen = !isnan(memory[0]);
     const struct {
         const char *what;
-        double growth, least;
-    } kinds[] = {{"bytes of memory", is_seen ? least_growth(memory, count) : 0,
-                  is_program ? LEAST_LEAK_OF_PROGRAM : LEAST_LEAK},
-                 {"open files", least_growth(descriptors, count), 0.5},
-                 {"threads", least_growth(threads, count), 0.5}};
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
-        snprintf(expected, sizeof expected, "%s holds no more %s than the one before", work,
-                 kinds[i].what);
-        snprintf(found, sizeof found, "%.4g more each time", kinds[i].growth);
-        pl_probe_require(p, kinds[i].growth < kinds[i].least, expected, found,
-                         is_program
-                             ? "a leak, or garbage of which the runtime collected none so far"
-                             : "a leak: destroy frees what create and step made");
+        double least; /* growth that counts as a leak */
+    } kinds[HOLDING_COUNT] = {{"bytes of memory", is_program ? LEAST_LEAK_OF_PROGRAM : LEAST_LEAK},
+                              {"open files", 0.5},
+                              {"threads", 0.5}};
+    const bool is_seen = !isnan(rounds[0][0]);
+    for (int k = is_seen ? 0 : 1; k < HOLDING_COUNT; ++k) {
+        double growth = INFINITY;
+        for (int i = 1; i < ROUNDS; ++i) {
+            growth = fmin(growth, (rounds[i][k] - rounds[i - 1][k]) / count);
+        }
+        pl_probe_require(
+            p, growth < kinds[k].least,
+            pl_probe_text(p, "%s holds no more %s than the one before", work, kinds[k].what),
+            pl_probe_text(p, "%.4g more each time", growth),
+            is_program ? "a leak, or garbage of which the runtime collected none so far"
+                       : "a leak: destroy frees what create and step made");
     }
     if (!is_seen) {
         pl_probe_skip(p, "the system does not say how much memory the program has");
@@ -321,32 +301,29 @@ static void expect_no_growth(pl_probe *p, const holdings rounds[ROUNDS], int cou
 
 static void check_leaks(pl_probe *p)
 {
-    holdings rounds[ROUNDS];
+    double rounds[ROUNDS][HOLDING_COUNT];
     for (int i = 0; i < ROUNDS; ++i) {
         for (int k = 0; k < CYCLES && !p->over; ++k) {
             begin_heap(p);
-            pl_probe_create(p);
-            pl_probe_steps(p, 20);
+            pl_probe_run(p, 20);
             pl_session_destroy(&p->session);
         }
-        rounds[i] = holdings_now();
+        read_holdings(rounds[i]);
     }
     expect_no_growth(p, rounds, CYCLES, "each scene that was created, stepped and destroyed");
 }
 
 static void check_step_leaks(pl_probe *p)
 {
-    holdings rounds[ROUNDS];
+    double rounds[ROUNDS][HOLDING_COUNT];
     begin_heap(p);
     pl_probe_create(p);
     for (int i = 0; i < ROUNDS; ++i) {
         pl_probe_steps(p, SETTLED_STEPS);
-        rounds[i] = holdings_now();
+        read_holdings(rounds[i]);
     }
     expect_no_growth(p, rounds, SETTLED_STEPS, "each step of a scene");
 }
-
-/* ---- Small duties ---- */
 
 /* ---- The time of a program ---- */
 
@@ -382,14 +359,15 @@ static void check_reported_time(pl_probe *p)
             clear_batches += 1;
         }
     }
-    char found[PL_CHECK_TEXT_SIZE];
-    snprintf(found, sizeof found, "%.2g of it", best);
     pl_probe_require(
         p, 2 * clear_batches < BATCHES || best >= 0.5,
         "the reported CPU time is at least half of what steps take beyond requests for "
         "the state",
-        found, "the CPU time around the engine's own step, in all threads and in seconds");
+        pl_probe_text(p, "%.2g of it", best),
+        "the CPU time around the engine's own step, in all threads and in seconds");
 }
+
+/* ---- Small duties ---- */
 
 static void check_destroy_null(pl_probe *p)
 {
@@ -413,12 +391,11 @@ static void check_refusal(pl_probe *p)
         return;
     }
     pl_probe_scene(p, 1.0 / 100);
-    pl_body body = pl_body_default();
-    body.shape = kind == 0   ? pl_check_table_mesh(p)
-                 : kind == 1 ? pl_check_box_hull(p)
-                 : kind == 2 ? pl_shape_cylinder(0.5, 0.5)
-                             : pl_shape_capsule(0.5, 0.5);
-    pl_probe_add_body(p, body);
+    const pl_shape shape = kind == 0   ? pl_check_table_mesh(p)
+                           : kind == 1 ? pl_check_box_hull(p)
+                           : kind == 2 ? pl_shape_cylinder(0.5, 0.5)
+                                       : pl_shape_capsule(0.5, 0.5);
+    pl_probe_add_body(p, (pl_body){.shape = shape});
     const pl_engine_setup setup = {
         .struct_size = sizeof setup,
         .scene = &p->scene,
@@ -455,28 +432,27 @@ static void check_statistics(pl_probe *p)
                        {"time_collide", p->stats.time_collide}, {"time_solve", p->stats.time_solve},
                        {"time_other", p->stats.time_other}};
         for (size_t k = 0; k < sizeof numbers / sizeof *numbers; ++k) {
-            char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
-            snprintf(expected, sizeof expected, "pl_step_stats.%s: 0 or more, or NAN",
-                     numbers[k].name);
-            snprintf(found, sizeof found, "%.6g in step %d", numbers[k].value, i + 1);
             pl_probe_require(
                 p, isnan(numbers[k].value) || (numbers[k].value >= 0 && isfinite(numbers[k].value)),
-                expected, found, "a number that the engine does not have is left NAN");
+                pl_probe_text(p, "pl_step_stats.%s: 0 or more, or NAN", numbers[k].name),
+                pl_probe_text(p, "%.6g in step %d", numbers[k].value, i + 1),
+                "a number that the engine does not have is left NAN");
         }
     }
 }
 
 const pl_check pl_conduct_checks[] = {
-    {"repeats", "a scene gives the same bits again", 0, 0, check_repeats},
-    {"independent-scenes", "a scene does not depend on the one before", 0, 0, check_independence},
-    {"reload", "a scene does not depend on when the engine was loaded", 0, 0, check_reload},
-    {"exception-flags", "results do not depend on raised exception flags", 0, 0, check_flags},
-    {"floating-point-modes", "calls leave the floating-point modes alone", 0, 0, check_modes},
+    {"repeats", "a scene gives the same bits again", 0, 0, check_repeats, 0},
+    {"independent-scenes", "a scene does not depend on the one before", 0, 0, check_independence,
+     0},
+    {"reload", "a scene does not depend on when the engine was loaded", 0, 0, check_reload, 0},
+    {"exception-flags", "results do not depend on raised exception flags", 0, 0, check_flags, 0},
+    {"floating-point-modes", "calls leave the floating-point modes alone", 0, 0, check_modes, 0},
     {"reported-time", "the CPU time that a program reports is that of its steps", 0, 0,
-     check_reported_time},
-    {"scene-leaks", "destroy frees what create and step made", 0, 0, check_leaks},
-    {"step-leaks", "steps of a settled scene take no memory", 0, 0, check_step_leaks},
-    {"destroy-null", "destroy takes NULL", 0, 0, check_destroy_null},
-    {"refusal", "a create that fails makes no instance and says why", 0, 0, check_refusal},
-    {"statistics", "statistics are not negative", 0, 0, check_statistics},
+     check_reported_time, 0},
+    {"scene-leaks", "destroy frees what create and step made", 0, 0, check_leaks, 0},
+    {"step-leaks", "steps of a settled scene take no memory", 0, 0, check_step_leaks, 0},
+    {"destroy-null", "destroy takes NULL", 0, 0, check_destroy_null, 0},
+    {"refusal", "a create that fails makes no instance and says why", 0, 0, check_refusal, 0},
+    {"statistics", "statistics are not negative", 0, 0, check_statistics, 0},
     {0}};

@@ -61,7 +61,8 @@ static void run_and_answer(void *user, FILE *answer)
 {
     const check_job *job = user;
     pl_check_result result = {.outcome = PL_CHECK_PASSED};
-    pl_probe probe = {.choice = job->choice,
+    pl_probe probe = {.check = job->check,
+                      .choice = job->choice,
                       .session = pl_session_begin(job->choice),
                       .scene = pl_scene_default(),
                       .result = &result};

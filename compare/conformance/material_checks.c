@@ -6,13 +6,11 @@
 #include "probe.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* 0.1 %, for every engine: what the harness promises about friction and restitution. */
 static const double SHARE = 1e-3;
 
-static const double RADIUS = 0.5;    /* m, of every sphere */
 static const double DT = 1.0 / 240;  /* s */
 static const double SPACING = 3;     /* m, between spheres that do not meet */
 static const double SPEED = 2;       /* m/s, of an impact */
@@ -27,10 +25,10 @@ static const int PARTNERS[PAIR_COUNT] = {RUBBER, WOOD, GROUND};
 /* Which of the coefficients are not zero. The scenes of one are without the other. */
 typedef enum coefficient_kind { FRICTION = 1, RESTITUTION = 2 } coefficient_kind;
 
-static void begin(pl_probe *p, int kinds)
+static void begin(pl_probe *p, int kinds, bool has_gravity)
 {
     const double friction = (kinds & FRICTION) != 0, bounce = (kinds & RESTITUTION) != 0;
-    pl_scene *scene = pl_probe_scene(p, DT);
+    pl_scene *scene = has_gravity ? pl_probe_scene(p, DT) : pl_probe_floating(p, DT);
     pl_error error = {.message = ""};
     pl_probe_add_material(p, 0.2 * friction, 0.3 * bounce);
     pl_probe_add_material(p, 0.8 * friction, 0.9 * bounce);
@@ -47,10 +45,7 @@ static void begin(pl_probe *p, int kinds)
 /* The static ground whose top is z = 0: a plane or a wide slab. */
 static int add_ground(pl_probe *p, pl_shape_kind kind)
 {
-    pl_body ground = pl_body_default();
-    ground.is_static = true;
-    ground.material = GROUND;
-    ground.shape = pl_shape_plane(0, 0, 1, 0);
+    pl_body ground = {.is_static = true, .material = GROUND, .shape = pl_shape_plane(0, 0, 1, 0)};
     if (kind == PL_SHAPE_BOX) {
         ground.shape = pl_shape_box(20, 20, 0.5);
         ground.position[2] = -0.5;
@@ -60,12 +55,10 @@ static int add_ground(pl_probe *p, pl_shape_kind kind)
 
 static pl_body ball(int material, double mass, double x, double y, double z)
 {
-    pl_body body = pl_body_default();
-    body.shape = pl_shape_sphere(RADIUS);
-    body.material = material;
-    body.mass = mass;
-    memcpy(body.position, (double[]){x, y, z}, sizeof body.position);
-    return body;
+    return (pl_body){.shape = pl_shape_sphere(PL_BALL_RADIUS),
+                     .material = material,
+                     .mass = mass,
+                     .position = {x, y, z}};
 }
 
 /* ---- What was measured ---- */
@@ -76,9 +69,11 @@ typedef struct coefficient {
     int body_a, body_b;
     double own_a, own_b; /* of each material by itself */
     double asked, found;
+    const char *how; /* it was measured */
 } coefficient;
 
-static coefficient coefficient_of(const pl_probe *p, coefficient_kind kind, int body_a, int body_b)
+static coefficient coefficient_of(const pl_probe *p, coefficient_kind kind, int body_a, int body_b,
+                                  double found, const char *how)
 {
     const pl_scene *scene = &p->scene;
     const int a = scene->bodies[body_a].material, b = scene->bodies[body_b].material;
@@ -92,7 +87,8 @@ static coefficient coefficient_of(const pl_probe *p, coefficient_kind kind, int 
                          .own_a = is_friction ? own_a->friction : own_a->restitution,
                          .own_b = is_friction ? own_b->friction : own_b->restitution,
                          .asked = is_friction ? friction : restitution,
-                         .found = NAN};
+                         .found = found,
+                         .how = how};
 }
 
 static double error_of(const coefficient *c)
@@ -146,96 +142,76 @@ static const char *cause_of(const coefficient *c)
                  "converged";
 }
 
-static void judge(pl_probe *p, const coefficient *c, const char *how)
+static void judge(pl_probe *p, const coefficient *c)
 {
-    char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
-    snprintf(expected, sizeof expected, "%s of bodies %d and %d, %s: %.6g, to 0.1 %%", c->name,
-             c->body_a, c->body_b, how, c->asked);
-    if (isnan(c->found)) {
-        snprintf(found, sizeof found, "the two bodies do not push on each other");
-    } else {
-        snprintf(found, sizeof found, "%.6g, which is %.4g times that", c->found,
-                 c->found / c->asked);
+    pl_probe_require(p, error_of(c) <= SHARE,
+                     pl_probe_text(p, "%s of bodies %d and %d, %s: %.6g, to 0.1 %%", c->name,
+                                   c->body_a, c->body_b, c->how, c->asked),
+                     isnan(c->found) ? "the two bodies do not push on each other"
+                                     : pl_probe_text(p, "%.6g, which is %.4g times that", c->found,
+                                                     c->found / c->asked),
+                     cause_of(c));
+}
+
+/* Keeps the coefficient that is nearest to that asked for. */
+static void keep_better(coefficient *best, const coefficient *found)
+{
+    if (best->name == NULL || error_of(found) < error_of(best)) {
+        *best = *found;
     }
-    pl_probe_require(p, error_of(c) <= SHARE, expected, found, cause_of(c));
 }
 
 /* ---- Friction on the ground ---- */
 
-/* How the spheres slide. */
-typedef struct slide {
-    pl_shape_kind ground;
-    bool ground_is_last; /* of the bodies; else the first */
-    int axis;            /* of the world, along which they move */
-} slide;
-
-/* Spheres that slide along the axis and spin backward so fast that they do not roll within the
- * run. Another one falls freely: it measures gravity times time, so that only friction counts. */
-static void measure_slide(pl_probe *p, const slide *s, coefficient found[PAIR_COUNT])
+/* Spheres that slide along an axis of the world and spin backward so fast that they do not roll within the
+ * run. Another one falls freely: it measures gravity times time, so that only friction counts. The ground is
+ * the first of the bodies or the last. Keeps what is nearer to what was asked. */
+static void measure_slide(pl_probe *p, bool ground_is_last, int axis, coefficient best[PAIR_COUNT])
 {
-    begin(p, FRICTION);
-    int ground = s->ground_is_last ? 0 : add_ground(p, s->ground);
-    int balls[PAIR_COUNT];
+    const pl_shape_kind kind = (pl_shape_kind)p->check->variant;
+    begin(p, FRICTION, true);
+    int ground = ground_is_last ? 0 : add_ground(p, kind);
+    const int first = p->scene.body_count;
     for (int i = 0; i < PAIR_COUNT; ++i) {
-        pl_body body = ball(PARTNERS[i], 2, 0, 0, RADIUS);
-        body.position[1 - s->axis] = SPACING * (i - 1);
-        body.velocity[s->axis] = 6;
-        body.angular_velocity[1 - s->axis] = s->axis == 0 ? -30 : 30;
-        balls[i] = pl_probe_add_body(p, body);
+        pl_body body = ball(PARTNERS[i], 2, 0, 0, PL_BALL_RADIUS);
+        body.position[1 - axis] = SPACING * (i - 1);
+        body.velocity[axis] = 6;
+        body.angular_velocity[1 - axis] = axis == 0 ? -30 : 30;
+        pl_probe_add_body(p, body);
     }
     pl_body above = ball(WOOD, 2, 0, 0, TOP);
-    above.velocity[s->axis] = 6;
+    above.velocity[axis] = 6;
     const int falling = pl_probe_add_body(p, above);
-    if (s->ground_is_last) {
-        ground = add_ground(p, s->ground);
-    }
-    pl_probe_create(p);
-    pl_probe_steps(p, STEPS);
+    ground = ground_is_last ? add_ground(p, kind) : ground;
+    pl_probe_run(p, STEPS);
     pl_body_state from[PL_PROBE_MOST_BODIES];
     memcpy(from, p->now, sizeof from);
     pl_probe_steps(p, STEPS);
     const double fallen = p->now[falling].velocity[2] - from[falling].velocity[2];
-    const double slowed = from[falling].velocity[s->axis] - p->now[falling].velocity[s->axis];
-    for (int i = 0; i < PAIR_COUNT; ++i) {
-        const int body = balls[i];
-        const double normal = p->now[body].velocity[2] - from[body].velocity[2] - fallen;
-        const double along = from[body].velocity[s->axis] - p->now[body].velocity[s->axis] - slowed;
-        found[i] = coefficient_of(p, FRICTION, ground, body);
-        found[i].found = normal > 0.1 * fabs(fallen) ? along / normal : (double)NAN;
+    const double slowed = from[falling].velocity[axis] - p->now[falling].velocity[axis];
+    for (int i = first; i < first + PAIR_COUNT; ++i) {
+        const double normal = p->now[i].velocity[2] - from[i].velocity[2] - fallen;
+        const double along = from[i].velocity[axis] - p->now[i].velocity[axis] - slowed;
+        const coefficient found = coefficient_of(
+            p, FRICTION, ground, i, normal > 0.1 * fabs(fallen) ? along / normal : (double)NAN,
+            axis == 0 ? "sliding along x" : "sliding along y");
+        keep_better(&best[i - first], &found);
     }
 }
 
-static void check_slide(pl_probe *p, pl_shape_kind ground, bool ground_is_last)
-{
-    static const char *const how[] = {"sliding along x", "sliding along y"};
-    coefficient best[PAIR_COUNT] = {{.asked = NAN}};
-    const char *best_how[PAIR_COUNT] = {how[0], how[0], how[0]};
-    /* A pyramid whose axes are not the world's is met by one of the two. */
-    for (int axis = 0; axis < 2 && !p->over; ++axis) {
-        coefficient found[PAIR_COUNT] = {{.asked = NAN}};
-        measure_slide(p, &(slide){ground, ground_is_last, axis}, found);
-        for (int i = 0; i < PAIR_COUNT; ++i) {
-            if (axis == 0 || error_of(&found[i]) < error_of(&best[i])) {
-                best[i] = found[i];
-                best_how[i] = how[axis];
-            }
-        }
-    }
-    for (int i = 0; i < PAIR_COUNT && !p->over; ++i) {
-        judge(p, &best[i], best_how[i]);
-    }
-}
-
+/* On ground of the shape of the check's variant. */
 static void check_friction(pl_probe *p)
 {
-    check_slide(p, PL_SHAPE_PLANE, false);
-    check_slide(p, PL_SHAPE_PLANE, true);
-}
-
-static void check_friction_box(pl_probe *p)
-{
-    check_slide(p, PL_SHAPE_BOX, false);
-    check_slide(p, PL_SHAPE_BOX, true);
+    for (int order = 0; order < 2 && !p->over; ++order) {
+        coefficient best[PAIR_COUNT] = {{.name = NULL}};
+        /* A pyramid whose axes are not the world's is met by one of the two. */
+        for (int axis = 0; axis < 2 && !p->over; ++axis) {
+            measure_slide(p, order == 1, axis, best);
+        }
+        for (int i = 0; i < PAIR_COUNT && !p->over; ++i) {
+            judge(p, &best[i]);
+        }
+    }
 }
 
 /* ---- Friction of two moving spheres ---- */
@@ -244,8 +220,7 @@ static void check_friction_box(pl_probe *p)
  * across the line of centres of the pose before the step. */
 static coefficient measure_graze(pl_probe *p, const int materials[2], int across)
 {
-    begin(p, FRICTION);
-    memset(p->scene.gravity, 0, sizeof p->scene.gravity);
+    begin(p, FRICTION, false);
     pl_body light = ball(materials[0], 1, 0, 0, 1), heavy = ball(materials[1], 3, 1, 0, 1);
     light.velocity[0] = SPEED;
     light.angular_velocity[3 - across] = across == 1 ? 30 : -30;
@@ -262,72 +237,28 @@ static coefficient measure_graze(pl_probe *p, const int materials[2], int across
         normal += (change_x * x + change_y * y) / length;
         along += (change_y * x - change_x * y) / length;
     }
-    coefficient found = coefficient_of(p, FRICTION, 0, 1);
-    found.found = normal > 0.1 * SPEED ? along / normal : (double)NAN;
-    return found;
+    return coefficient_of(p, FRICTION, 0, 1, normal > 0.1 * SPEED ? along / normal : (double)NAN,
+                          "two spheres, one of which spins");
 }
 
 static void check_friction_spheres(pl_probe *p)
 {
     for (int order = 0; order < 2 && !p->over; ++order) {
         const int materials[] = {order == 0 ? GROUND : RUBBER, order == 0 ? RUBBER : GROUND};
-        const coefficient y = measure_graze(p, materials, 1), z = measure_graze(p, materials, 2);
-        judge(p, error_of(&y) < error_of(&z) ? &y : &z, "two spheres, one of which spins");
+        coefficient best = measure_graze(p, materials, 1);
+        const coefficient other = measure_graze(p, materials, 2);
+        keep_better(&best, &other);
+        judge(p, &best);
     }
 }
 
 /* ---- Restitution ---- */
 
-/* Spheres that fall on the ground at once, without gravity. */
-typedef struct impacts {
-    bool ground_is_last;
-    int count;
-    int materials[PAIR_COUNT];
-    double speeds[PAIR_COUNT]; /* m/s */
-    coefficient found[PAIR_COUNT];
-} impacts;
-
-/* Each sphere starts `gap` steps before it touches, at its speed. Keeps what is nearest to that
- * asked: engines whose contacts hold a body back that would touch only within the step swallow a
- * part of the bounce for some gaps, and engines without such contacts hit at any. */
-static void measure_impacts(pl_probe *p, impacts *s, double gap)
-{
-    begin(p, RESTITUTION);
-    memset(p->scene.gravity, 0, sizeof p->scene.gravity);
-    int ground = s->ground_is_last ? 0 : add_ground(p, PL_SHAPE_PLANE);
-    int first = p->scene.body_count;
-    for (int i = 0; i < s->count; ++i) {
-        pl_body body = ball(s->materials[i], 1 + i, SPACING * i, 0, RADIUS);
-        body.position[2] += gap * s->speeds[i] * DT;
-        body.velocity[2] = -s->speeds[i];
-        pl_probe_add_body(p, body);
-    }
-    if (s->ground_is_last) {
-        ground = add_ground(p, PL_SHAPE_PLANE);
-    }
-    pl_probe_create(p);
-    pl_probe_steps(p, 20);
-    for (int i = 0; i < s->count; ++i) {
-        coefficient found = coefficient_of(p, RESTITUTION, ground, first + i);
-        found.found = p->now[first + i].velocity[2] / s->speeds[i];
-        if (gap == 0 || error_of(&found) < error_of(&s->found[i])) {
-            s->found[i] = found;
-        }
-    }
-}
-
-static const double GAPS[] = {0, 0.3, 0.7}; /* of the way of one step */
-enum { GAP_COUNT = sizeof GAPS / sizeof *GAPS };
-
 /* The speed below which impacts do not bounce: the value of that option; 0 without it. m/s. */
 static double threshold_of(const pl_engine_choice *choice)
 {
-    for (int i = 0; i < choice->engine->option_count; ++i) {
-        if (strcmp(choice->engine->options[i].name, "restitution_threshold") == 0) {
-            return choice->values[i];
-        }
-    }
-    return 0;
+    const int option = pl_engine_option_index(choice->engine, "restitution_threshold");
+    return option < 0 ? 0 : choice->values[option];
 }
 
 /* m/s, of an impact that bounces. */
@@ -336,65 +267,77 @@ static double speed_of(const pl_probe *p)
     return fmax(SPEED, 1.5 * threshold_of(p->choice));
 }
 
-static void check_restitution(pl_probe *p)
+/* How far a body starts from what it hits, in its ways of a step. What is nearest to that asked is kept:
+ * engines whose contacts hold a body back that would touch only within the step swallow a part of the
+ * bounce for some gaps, and engines without such contacts hit at any. */
+static const double GAPS[] = {0, 0.3, 0.7};
+enum { GAP_COUNT = sizeof GAPS / sizeof *GAPS };
+
+/* Spheres of the first `count` partners' materials that fall on the ground at once, without gravity. */
+static void measure_impacts(pl_probe *p, bool ground_is_last, int count, double speed, double gap,
+                            coefficient best[])
 {
-    for (int order = 0; order < 2 && !p->over; ++order) {
-        impacts s = {.ground_is_last = order == 1, .count = PAIR_COUNT};
-        for (int i = 0; i < PAIR_COUNT; ++i) {
-            s.materials[i] = PARTNERS[i];
-            s.speeds[i] = speed_of(p);
-        }
-        for (int g = 0; g < GAP_COUNT && !p->over; ++g) {
-            measure_impacts(p, &s, GAPS[g]);
-        }
-        for (int i = 0; i < PAIR_COUNT && !p->over; ++i) {
-            judge(p, &s.found[i], "falling on a plane");
-        }
+    begin(p, RESTITUTION, false);
+    int ground = ground_is_last ? 0 : add_ground(p, PL_SHAPE_PLANE);
+    const int first = p->scene.body_count;
+    for (int i = 0; i < count; ++i) {
+        pl_body body = ball(PARTNERS[i], 1 + i, SPACING * i, 0, PL_BALL_RADIUS + gap * speed * DT);
+        body.velocity[2] = -speed;
+        pl_probe_add_body(p, body);
+    }
+    ground = ground_is_last ? add_ground(p, PL_SHAPE_PLANE) : ground;
+    pl_probe_run(p, 20);
+    for (int i = 0; i < count; ++i) {
+        const coefficient found =
+            coefficient_of(p, RESTITUTION, ground, first + i, p->now[first + i].velocity[2] / speed,
+                           "falling on a plane");
+        keep_better(&best[i], &found);
     }
 }
 
 /* Three pairs of spheres, of 1 kg that moves and 3 kg that rests. */
-static void measure_collisions(pl_probe *p, bool light_is_last, double gap,
+static void measure_collisions(pl_probe *p, bool light_is_last, double speed, double gap,
                                coefficient best[PAIR_COUNT])
 {
-    const double speed = speed_of(p);
-    begin(p, RESTITUTION);
-    memset(p->scene.gravity, 0, sizeof p->scene.gravity);
+    begin(p, RESTITUTION, false);
     for (int i = 0; i < PAIR_COUNT; ++i) {
         pl_body light = ball(GROUND, 1, -gap * speed * DT, SPACING * i, 1);
-        const pl_body heavy = ball(PARTNERS[i], 3, 2 * RADIUS, SPACING * i, 1);
+        const pl_body heavy = ball(PARTNERS[i], 3, 2 * PL_BALL_RADIUS, SPACING * i, 1);
         light.velocity[0] = speed;
         pl_probe_add_body(p, light_is_last ? heavy : light);
         pl_probe_add_body(p, light_is_last ? light : heavy);
     }
-    pl_probe_create(p);
-    pl_probe_steps(p, 20);
+    pl_probe_run(p, 20);
     for (int i = 0; i < PAIR_COUNT; ++i) {
         const int light = 2 * i + (light_is_last ? 1 : 0), heavy = 4 * i + 1 - light;
-        coefficient found = coefficient_of(p, RESTITUTION, light, heavy);
-        found.found = (p->now[heavy].velocity[0] - p->now[light].velocity[0]) / speed;
-        if (gap == 0 || error_of(&found) < error_of(&best[i])) {
-            best[i] = found;
-        }
+        const double apart = p->now[heavy].velocity[0] - p->now[light].velocity[0];
+        const coefficient found = coefficient_of(p, RESTITUTION, light, heavy, apart / speed,
+                                                 "a sphere of 1 kg hits one of 3 kg");
+        keep_better(&best[i], &found);
     }
 }
 
-static void check_restitution_spheres(pl_probe *p)
+/* Of two spheres where the check's variant is one, else of a sphere and a plane. */
+static void check_restitution(pl_probe *p)
 {
+    const double speed = speed_of(p);
     for (int order = 0; order < 2 && !p->over; ++order) {
-        coefficient found[PAIR_COUNT] = {{.asked = NAN}};
+        coefficient best[PAIR_COUNT] = {{.name = NULL}};
         for (int g = 0; g < GAP_COUNT && !p->over; ++g) {
-            measure_collisions(p, order == 1, GAPS[g], found);
+            if (p->check->variant == PL_SHAPE_SPHERE) {
+                measure_collisions(p, order == 1, speed, GAPS[g], best);
+            } else {
+                measure_impacts(p, order == 1, PAIR_COUNT, speed, GAPS[g], best);
+            }
         }
         for (int i = 0; i < PAIR_COUNT && !p->over; ++i) {
-            judge(p, &found[i], "a sphere of 1 kg hits one of 3 kg");
+            judge(p, &best[i]);
         }
     }
 }
 
-/* ---- The speed below which impacts do not bounce ---- */
-
-/* Each impact has a scene of its own, in which nothing is faster. */
+/* The speed below which impacts do not bounce. Each impact has a scene of its own, in which nothing is
+ * faster. */
 static void check_restitution_threshold(pl_probe *p)
 {
     const double threshold = threshold_of(p->choice);
@@ -404,22 +347,20 @@ static void check_restitution_threshold(pl_probe *p)
         if (speeds[i] <= threshold) {
             continue;
         }
-        impacts s = {.count = 1, .materials = {RUBBER}, .speeds = {speeds[i]}};
+        coefficient c = {.name = NULL};
         for (int g = 0; g < GAP_COUNT && !p->over; ++g) {
-            measure_impacts(p, &s, GAPS[g]);
+            measure_impacts(p, false, 1, speeds[i], GAPS[g], &c);
         }
-        char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
-        const coefficient *c = &s.found[0];
-        snprintf(expected, sizeof expected,
-                 "an impact at %g m/s bounces at %.6g of its speed, to 0.1 %% "
-                 "(restitution_threshold is %g m/s)",
-                 speeds[i], c->asked, threshold);
-        snprintf(found, sizeof found, "%.6g of its speed", c->found);
-        pl_probe_require(p, error_of(c) <= SHARE, expected, found,
-                         fast_bounces
-                             ? "the engine has a threshold of restitution above that speed: set "
-                               "it to 0, or make it the option restitution_threshold"
-                             : cause_of(c));
+        pl_probe_require(
+            p, error_of(&c) <= SHARE,
+            pl_probe_text(p,
+                          "an impact at %g m/s bounces at %.6g of its speed, to 0.1 %% "
+                          "(restitution_threshold is %g m/s)",
+                          speeds[i], c.asked, threshold),
+            pl_probe_text(p, "%.6g of its speed", c.found),
+            fast_bounces ? "the engine has a threshold of restitution above that speed: set "
+                           "it to 0, or make it the option restitution_threshold"
+                         : cause_of(&c));
         fast_bounces = true;
     }
 }
@@ -432,12 +373,12 @@ static void expect_pair(pl_probe *p, int a, int b)
     const coefficient_kind kinds[] = {FRICTION, RESTITUTION};
     const double values[] = {found.friction, found.restitution};
     for (int i = 0; i < 2; ++i) {
-        const coefficient asked = coefficient_of(p, kinds[i], a, b);
-        char what[PL_CHECK_TEXT_SIZE];
-        snprintf(what, sizeof what, "the %s of bodies %d and %d in read_pair", asked.name, a, b);
+        const coefficient asked = coefficient_of(p, kinds[i], a, b, values[i], NULL);
         if (!isnan(values[i])) {
-            pl_probe_expect(p, what, values[i], asked.asked, pl_probe_tolerance(p, 1),
-                            "read_pair is of other materials, or the engine has another value");
+            pl_probe_expect(
+                p, pl_probe_text(p, "the %s of bodies %d and %d in read_pair", asked.name, a, b),
+                values[i], asked.asked, pl_probe_tolerance(p, 1),
+                "read_pair is of other materials, or the engine has another value");
         }
     }
 }
@@ -451,11 +392,12 @@ static void check_read_pair(pl_probe *p)
     const uint32_t claimed = p->choice->engine->capabilities;
     const bool has_friction =
         (claimed & PL_NEEDS_FRICTION) != 0 && (claimed & PL_NEEDS_ROTATION) != 0;
-    begin(p, (has_friction ? FRICTION : 0) |
-                 ((claimed & PL_NEEDS_RESTITUTION) != 0 ? RESTITUTION : 0));
+    begin(p,
+          (has_friction ? FRICTION : 0) | ((claimed & PL_NEEDS_RESTITUTION) != 0 ? RESTITUTION : 0),
+          true);
     add_ground(p, PL_SHAPE_PLANE);
     for (int i = 0; i < PAIR_COUNT; ++i) {
-        pl_probe_add_body(p, ball(PARTNERS[i], 1, SPACING * i, 0, RADIUS));
+        pl_probe_add_body(p, ball(PARTNERS[i], 1, SPACING * i, 0, PL_BALL_RADIUS));
     }
     pl_probe_create(p);
     for (int a = 0; a <= PAIR_COUNT && !p->over; ++a) {
@@ -474,16 +416,16 @@ enum {
 
 const pl_check pl_material_checks[] = {
     {"friction", "spheres slide on a plane by their pairs' friction", SLIDING | PL_NEEDS_PLANE, 0,
-     check_friction},
+     check_friction, PL_SHAPE_PLANE},
     {"friction-box", "spheres slide on a box by their pairs' friction", SLIDING | PL_NEEDS_BOX, 0,
-     check_friction_box},
+     check_friction, PL_SHAPE_BOX},
     {"friction-spheres", "two spheres that meet have their pair's friction", SLIDING, 0,
-     check_friction_spheres},
+     check_friction_spheres, 0},
     {"restitution", "spheres bounce off a plane by their pairs' restitution",
-     SMOOTH | PL_NEEDS_RESTITUTION, 0, check_restitution},
+     SMOOTH | PL_NEEDS_RESTITUTION, 0, check_restitution, PL_SHAPE_PLANE},
     {"restitution-spheres", "two spheres bounce by their pair's restitution",
-     PL_NEEDS_SPHERE | PL_NEEDS_RESTITUTION, 0, check_restitution_spheres},
+     PL_NEEDS_SPHERE | PL_NEEDS_RESTITUTION, 0, check_restitution, PL_SHAPE_SPHERE},
     {"restitution-threshold", "slow impacts bounce too", SMOOTH | PL_NEEDS_RESTITUTION, 0,
-     check_restitution_threshold},
-    {"read-pair", "a pair's coefficients read back", SMOOTH, 0, check_read_pair},
+     check_restitution_threshold, 0},
+    {"read-pair", "a pair's coefficients read back", SMOOTH, 0, check_read_pair, 0},
     {0}};

@@ -1,38 +1,17 @@
 #include "mismatch.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdio.h>
 
 /* Ratios and guesses are recognised to this relative difference: far below the difference between
  * two mistakes, and above the errors of an integrator. */
 static const double RECOGNISED = 2e-3;
 
-static double length_of(const double *v, int count)
-{
-    double sum = 0;
-    for (int i = 0; i < count; ++i) {
-        sum += v[i] * v[i];
-    }
-    return sqrt(sum);
-}
-
-static double distance_of(const double *a, const double *b, double scale, int count)
-{
-    double sum = 0;
-    for (int i = 0; i < count; ++i) {
-        const double difference = a[i] - scale * b[i];
-        sum += difference * difference;
-    }
-    return sqrt(sum);
-}
-
-const char *pl_guess_cause(const double found[3], const pl_guess *guesses, int count,
-                           const char *otherwise)
+const char *pl_guess_cause(pl_vec found, const pl_guess *guesses, int count, const char *otherwise)
 {
     for (int i = 0; i < count; ++i) {
-        const double size = length_of(guesses[i].value, 3);
-        if (distance_of(found, guesses[i].value, 1, 3) <= RECOGNISED * size) {
+        const pl_vec value = guesses[i].value;
+        if (pl_vec_length(pl_vec_sub(found, value)) <= RECOGNISED * pl_vec_length(value)) {
             return guesses[i].cause;
         }
     }
@@ -67,20 +46,16 @@ static const char *ratio_name(double ratio)
     return "";
 }
 
-void pl_describe_ratio(const double *found, const double *expected, int count, char *text,
-                       size_t size)
+void pl_describe_ratio(pl_vec found, pl_vec expected, char *text, size_t size)
 {
-    const double length = length_of(expected, count);
+    const double length = pl_vec_length(expected);
     text[0] = '\0';
     if (!(length > 0)) {
         return;
     }
-    double ratio = 0;
-    for (int i = 0; i < count; ++i) {
-        ratio += found[i] * expected[i] / (length * length);
-    }
-    const double off = distance_of(found, expected, ratio, count);
-    if (length_of(found, count) <= RECOGNISED * length) {
+    const double ratio = pl_vec_dot(found, expected) / (length * length);
+    const double off = pl_vec_length(pl_vec_mad(found, -ratio, expected));
+    if (pl_vec_length(found) <= RECOGNISED * length) {
         snprintf(text, size, ", which is nothing");
     } else if (off <= RECOGNISED * fabs(ratio) * length) {
         snprintf(text, size, ", which is %.5g times what was expected%s", ratio, ratio_name(ratio));

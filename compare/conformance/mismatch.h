@@ -2,22 +2,22 @@
 #ifndef PLUMB_MISMATCH_H
 #define PLUMB_MISMATCH_H
 
+#include "plumb/vec.h"
+
 #include <stddef.h>
 
 /* What a known mistake would have given. */
 typedef struct pl_guess {
-    double value[3];
+    pl_vec value;
     const char *cause; /* static */
 } pl_guess;
 
 /* The cause of the first of `count` guesses whose value is `found`, to a thousandth of its length;
  * `otherwise` where there is none. */
-const char *pl_guess_cause(const double found[3], const pl_guess *guesses, int count,
-                           const char *otherwise);
+const char *pl_guess_cause(pl_vec found, const pl_guess *guesses, int count, const char *otherwise);
 
-/* Writes how many times `expected` (count) `found` is, such as ", which is 57.296 times as much:
- * degrees in place of radians"; an empty text where the components have no common ratio. */
-void pl_describe_ratio(const double *found, const double *expected, int count, char *text,
-                       size_t size);
+/* Writes how many times `expected` `found` is, such as ", which is 57.296 times as much: degrees in place
+ * of radians"; an empty text where the components have no common ratio. */
+void pl_describe_ratio(pl_vec found, pl_vec expected, char *text, size_t size);
 
 #endif

@@ -1,28 +1,9 @@
 /* Free motion: the step, gravity, the integrator, and rotation without torque. */
 #include "check_bodies.h"
 #include "mismatch.h"
-#include "plumb/vec.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
-
-static void difference(const double a[3], const double b[3], double out[3])
-{
-    for (int k = 0; k < 3; ++k) {
-        out[k] = a[k] - b[k];
-    }
-}
-
-/* Creates a scene of one body without gravity. */
-static int create_floating(pl_probe *p, double dt, pl_body body)
-{
-    pl_probe_scene(p, dt);
-    memset(p->scene.gravity, 0, sizeof p->scene.gravity);
-    const int index = pl_probe_add_body(p, body);
-    pl_probe_create(p);
-    return index;
-}
 
 /* ---- The step ---- */
 
@@ -37,7 +18,7 @@ static void check_step_length(pl_probe *p)
     for (int i = 0; i < 2; ++i) {
         pl_body body = pl_check_any_body(p);
         body.velocity[1] = speed;
-        const int index = create_floating(p, steps[i], body);
+        const int index = pl_check_create_floating(p, steps[i], body);
         pl_probe_steps(p, STEPS);
         const double moves = (p->start[index].velocity[1] + p->now[index].velocity[1]) / 2;
         pl_probe_require(p, moves != 0, "a body that begins with a velocity moves", "it is at rest",
@@ -58,7 +39,7 @@ static void check_frame_time(pl_probe *p)
 {
     enum { STEPS = 20 };
     const double dt = 1.0 / 100;
-    create_floating(p, dt, pl_check_any_body(p));
+    pl_check_create_floating(p, dt, pl_check_any_body(p));
     for (int i = 0; i <= STEPS && !p->over; ++i) {
         pl_probe_expect(p, i == 0 ? "pl_frame.time before the first step, s" : "pl_frame.time, s",
                         p->frame.time, i * dt, pl_probe_tolerance(p, 1),
@@ -70,23 +51,28 @@ static void check_frame_time(pl_probe *p)
 
 /* ---- Free fall ---- */
 
+/* Creates a scene of one body with this gravity, and makes ten steps. */
+static int run_fall(pl_probe *p, pl_vec gravity, pl_body body)
+{
+    pl_probe_scene(p, 1.0 / 100);
+    pl_vec_store(gravity, p->scene.gravity);
+    const int index = pl_probe_add_body(p, body);
+    pl_probe_run(p, 10);
+    return index;
+}
+
 static void check_gravity(pl_probe *p)
 {
-    static const double gravity[3] = {0, -1.5, -8.25};
-    pl_probe_scene(p, 1.0 / 100);
-    memcpy(p->scene.gravity, gravity, sizeof gravity);
+    const pl_vec gravity = {0, -1.5, -8.25};
     pl_body body = pl_check_any_body(p);
     body.velocity[0] = 3;
-    const int index = pl_probe_add_body(p, body);
-    if (!pl_probe_run(p, 10)) {
+    const int index = run_fall(p, gravity, body);
+    if (p->over) {
         return;
     }
-    double change[3];
-    difference(p->now[index].velocity, p->start[index].velocity, change);
-    const double time = pl_check_time(p, index);
-    for (int k = 0; k < 3; ++k) {
-        change[k] /= time;
-    }
+    const pl_vec change =
+        pl_vec_sub(pl_vec_of(p->now[index].velocity), pl_vec_of(p->start[index].velocity));
+    const pl_vec found = pl_vec_scale(change, 1 / pl_check_time(p, index));
     const pl_guess guesses[] = {
         {{0, 0, -8.25}, "only the z component of pl_scene.gravity is used"},
         {{0, 0, -9.81}, "pl_scene.gravity is ignored: gravity is always (0, 0, -9.81)"},
@@ -94,24 +80,20 @@ static void check_gravity(pl_probe *p)
         {{0, -8.25, 1.5}, "the axes are turned: y is up in the engine, z in the scene"},
         {{0, -8.25, -1.5}, "y and z are exchanged: a mirrored, left-handed world"},
     };
-    pl_probe_expect_vector(p, "the acceleration of a falling body, m/s^2", change, gravity,
+    pl_probe_expect_vector(p, "the acceleration of a falling body, m/s^2", found, gravity,
                            pl_probe_tolerance(p, 50),
-                           pl_guess_cause(change, guesses, (int)(sizeof guesses / sizeof *guesses),
+                           pl_guess_cause(found, guesses, (int)(sizeof guesses / sizeof *guesses),
                                           "gravity is not pl_scene.gravity"));
 }
 
 /* The gravity's x component, which the check above needs for its clock. */
 static void check_sideways_gravity(pl_probe *p)
 {
-    static const double gravity[3] = {0.5, 0, -8.25};
-    pl_probe_scene(p, 1.0 / 100);
-    memcpy(p->scene.gravity, gravity, sizeof gravity);
-    const int index = pl_probe_add_body(p, pl_check_any_body(p));
-    pl_probe_create(p);
-    pl_probe_steps(p, 10);
+    const pl_vec gravity = {0.5, 0, -8.25};
+    const int index = run_fall(p, gravity, pl_check_any_body(p));
     const double *v = p->now[index].velocity;
     pl_probe_expect(p, "the x component of a fall over its z component", v[0] / v[2],
-                    gravity[0] / gravity[2], pl_probe_tolerance(p, 10),
+                    gravity.x / gravity.z, pl_probe_tolerance(p, 10),
                     "the x component of pl_scene.gravity is not used");
 }
 
@@ -132,18 +114,18 @@ static double drop_of(pl_integrator integrator, long steps, int substeps)
 }
 
 /* The integrator and the sub-steps that a drop would be of. */
-static const char *name_drop(double drop, double tolerance, long steps, char *text, size_t size)
+static const char *name_drop(pl_probe *p, double drop, double tolerance, long steps)
 {
     static const pl_integrator known[] = {PL_INTEGRATOR_MIDPOINT, PL_INTEGRATOR_SEMI_IMPLICIT_EULER,
                                           PL_INTEGRATOR_EXPLICIT_EULER};
     for (int substeps = 1; substeps <= 64; ++substeps) {
         for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
             if (fabs(drop - drop_of(known[i], steps, substeps)) <= tolerance) {
-                snprintf(text, size,
-                         "the motion is that of %s with %d sub-steps: pl_engine.integrator or "
-                         ".substeps says otherwise",
-                         integrators[known[i]].name, substeps);
-                return text;
+                return pl_probe_text(
+                    p,
+                    "the motion is that of %s with %d sub-steps: pl_engine.integrator or "
+                    ".substeps says otherwise",
+                    integrators[known[i]].name, substeps);
             }
         }
     }
@@ -168,17 +150,17 @@ static void check_integrator(pl_probe *p)
     const double speed = p->start[index].velocity[2] - p->now[index].velocity[2];
     const double drop = (p->start[index].position[2] - p->now[index].position[2]) / (speed * time);
     const double tolerance = pl_probe_tolerance(p, 50);
-    char what[PL_CHECK_TEXT_SIZE], cause[PL_CHECK_TEXT_SIZE];
     if (declared == PL_INTEGRATOR_UNKNOWN) {
         pl_probe_expect(p, "the drop of a falling body after 5 steps, over g t^2", drop, 0.5,
                         0.5 / STEPS + tolerance, "the position does not follow the velocity");
         return;
     }
-    snprintf(what, sizeof what,
-             "the drop of a falling body after %d steps, over g t^2, by %s with %d sub-steps",
-             STEPS, integrators[declared].name, substeps);
-    pl_probe_expect(p, what, drop, drop_of(declared, STEPS, substeps), tolerance,
-                    name_drop(drop, tolerance, STEPS, cause, sizeof cause));
+    pl_probe_expect(
+        p,
+        pl_probe_text(
+            p, "the drop of a falling body after %d steps, over g t^2, by %s with %d sub-steps",
+            STEPS, integrators[declared].name, substeps),
+        drop, drop_of(declared, STEPS, substeps), tolerance, name_drop(p, drop, tolerance, STEPS));
 }
 
 /* ---- Damping ---- */
@@ -189,38 +171,35 @@ static void expect_kept(pl_probe *p, const char *what, const double found[3], co
     const double speed = pl_vec_length(pl_vec_of(start));
     const double time = (double)p->steps * p->scene.dt;
     const double rate = log(speed / pl_vec_length(pl_vec_of(found))) / time;
-    char cause[PL_CHECK_TEXT_SIZE];
-    snprintf(cause, sizeof cause, "it falls, as by a damping of %.4g 1/s: the ABI has none", rate);
-    pl_probe_expect_vector(p, what, found, start, pl_probe_tolerance(p, 2 * speed),
-                           rate > 1e-6 ? cause
-                                       : "a torque or a force that the scene does not have");
+    pl_probe_expect_vector(
+        p, what, pl_vec_of(found), pl_vec_of(start), pl_probe_tolerance(p, 2 * speed),
+        rate > 1e-6
+            ? pl_probe_text(p, "it falls, as by a damping of %.4g 1/s: the ABI has none", rate)
+            : "a torque or a force that the scene does not have");
 }
 
 static void check_speed_kept(pl_probe *p)
 {
-    static const double velocity[3] = {3, -2, 1};
     pl_body body = pl_check_any_body(p);
-    memcpy(body.velocity, velocity, sizeof velocity);
-    const int index = create_floating(p, 1.0 / 100, body);
+    memcpy(body.velocity, (double[]){3, -2, 1}, sizeof body.velocity);
+    const int index = pl_check_create_floating(p, 1.0 / 100, body);
     pl_probe_steps(p, 100);
     expect_kept(p, "the velocity of a free body after 1 s, m/s", p->now[index].velocity,
                 p->start[index].velocity);
 }
 
-/* A body that spins about its first axis, a principal one, and that axis in the world. */
-static int create_spinning(pl_probe *p, double spin, double world_spin[3])
+/* A body that spins at 2 rad/s about its first axis, a principal one. */
+static int create_spinning(pl_probe *p)
 {
     pl_body body = pl_check_turned_body(p);
-    pl_check_rotate(body.orientation, (double[]){spin, 0, 0}, world_spin);
-    memcpy(body.angular_velocity, world_spin, sizeof body.angular_velocity);
+    pl_vec_store(pl_check_rotate(body.orientation, (pl_vec){2, 0, 0}), body.angular_velocity);
     body.velocity[1] = 1;
-    return create_floating(p, 1.0 / 100, body);
+    return pl_check_create_floating(p, 1.0 / 100, body);
 }
 
 static void check_spin_kept(pl_probe *p)
 {
-    double spin[3];
-    const int index = create_spinning(p, 2, spin);
+    const int index = create_spinning(p);
     pl_probe_steps(p, 100);
     expect_kept(p, "the angular velocity of a free body about a principal axis after 1 s, rad/s",
                 p->now[index].angular_velocity, p->start[index].angular_velocity);
@@ -234,7 +213,7 @@ static void check_no_limits(pl_probe *p)
     pl_body body = pl_check_any_body(p);
     body.velocity[0] = speed;
     body.angular_velocity[2] = turns ? spin : 0;
-    const int index = create_floating(p, 1.0 / 240, body);
+    const int index = pl_check_create_floating(p, 1.0 / 240, body);
     pl_probe_steps(p, 5);
     pl_probe_expect(p, "the speed of a fast body, m/s", p->now[index].velocity[0], speed,
                     pl_probe_tolerance(p, speed), "the engine limits speeds: raise its limit");
@@ -246,7 +225,7 @@ static void check_no_limits(pl_probe *p)
 /* ---- Rotation ---- */
 
 /* The rotation from orientation a to b as a vector along the world's axis, rad. */
-static void turn_between(const double a[4], const double b[4], double turn[3])
+static pl_vec turn_between(const double a[4], const double b[4])
 {
     const pl_vec va = pl_vec_of(a + 1), vb = pl_vec_of(b + 1);
     const double w = a[0] * b[0] + pl_vec_dot(va, vb);
@@ -254,34 +233,34 @@ static void turn_between(const double a[4], const double b[4], double turn[3])
     v = pl_vec_add(v, pl_vec_cross(va, vb));
     const double sine = pl_vec_length(v);
     const double angle = 2 * atan2(w < 0 ? -sine : sine, fabs(w));
-    pl_vec_store(sine > 0 ? pl_vec_scale(v, angle / sine) : v, turn);
+    return sine > 0 ? pl_vec_scale(v, angle / sine) : v;
 }
 
-/* Expects the turn of `steps` steps. A thousandth allows for integrators of the first order. */
-static void expect_turn(pl_probe *p, int body, int steps, const double spin[3])
+/* Makes steps and expects the turn since the start. A thousandth allows for integrators of the first
+ * order. */
+static void expect_turn(pl_probe *p, int body, int steps)
 {
-    const double time = pl_check_time(p, body);
-    const double *q = p->start[body].orientation;
-    double turn[3], expected[3];
-    pl_guess guesses[] = {
-        {.cause = "the sense is reversed: a quaternion from the world to the body, or a "
-                  "left-handed angular velocity"},
-        {.cause = "the angular velocity is taken as one in the body's axes: the ABI's is in the "
-                  "world's"},
-        {.cause = "the angular velocity is turned to the body's axes and used in the world's"},
-        {.value = {0, 0, 0}, .cause = "the orientation does not follow the angular velocity"},
-    };
-    for (int k = 0; k < 3; ++k) {
-        expected[k] = spin[k] * time;
-        guesses[0].value[k] = -expected[k];
+    pl_probe_steps(p, steps);
+    if (p->over) {
+        return;
     }
-    pl_check_rotate(q, expected, guesses[1].value);
-    pl_check_rotate_back(q, expected, guesses[2].value);
-    turn_between(q, p->now[body].orientation, turn);
-    char what[100];
-    snprintf(what, sizeof what, "the turn in %d steps, along the world's axis, rad", steps);
+    const double *q = p->start[body].orientation;
+    const pl_vec expected =
+        pl_vec_scale(pl_vec_of(p->scene.bodies[body].angular_velocity), pl_check_time(p, body));
+    const pl_vec turn = turn_between(q, p->now[body].orientation);
+    const pl_guess guesses[] = {
+        {pl_vec_scale(expected, -1),
+         "the sense is reversed: a quaternion from the world to the body, or a left-handed angular "
+         "velocity"},
+        {pl_check_rotate(q, expected),
+         "the angular velocity is taken as one in the body's axes: the ABI's is in the world's"},
+        {pl_check_rotate_back(q, expected),
+         "the angular velocity is turned to the body's axes and used in the world's"},
+        {{0, 0, 0}, "the orientation does not follow the angular velocity"},
+    };
     pl_probe_expect_vector(
-        p, what, turn, expected, 1e-3 * pl_vec_length(pl_vec_of(expected)),
+        p, pl_probe_text(p, "the turn in %ld steps, along the world's axis, rad", p->steps), turn,
+        expected, 1e-3 * pl_vec_length(expected),
         pl_guess_cause(turn, guesses, (int)(sizeof guesses / sizeof *guesses),
                        "the unit or the frame of the angular velocity, or the sense of the "
                        "quaternion"));
@@ -289,16 +268,9 @@ static void expect_turn(pl_probe *p, int body, int steps, const double spin[3])
 
 static void check_spin_turns(pl_probe *p)
 {
-    double spin[3];
-    const int index = create_spinning(p, 2, spin);
-    pl_probe_steps(p, 1);
-    if (!p->over) {
-        expect_turn(p, index, 1, spin);
-    }
-    pl_probe_steps(p, 49);
-    if (!p->over) {
-        expect_turn(p, index, 50, spin);
-    }
+    const int index = create_spinning(p);
+    expect_turn(p, index, 1);
+    expect_turn(p, index, 49);
 }
 
 /* The angular momentum in the world of a body with these principal moments. */
@@ -347,48 +319,45 @@ static const char *name_precession(const pl_probe *p, int body)
  * left out, the angular velocity is constant; else the angular momentum. */
 static void check_precession(pl_probe *p)
 {
-    static const double spin[3] = {2, 3, 4};
+    const pl_vec spin = {2, 3, 4};
     const pl_gyroscopic declared = p->choice->engine->gyroscopic;
     pl_body body = pl_check_turned_body(p);
     body.shape = pl_shape_box(0.1, 0.3, 0.8);
-    memcpy(body.angular_velocity, spin, sizeof spin);
-    const int index = create_floating(p, 1.0 / 1000, body);
+    pl_vec_store(spin, body.angular_velocity);
+    const int index = pl_check_create_floating(p, 1.0 / 1000, body);
     pl_probe_steps(p, 200);
     if (p->over) {
         return;
     }
-    double change[3];
     const pl_body_state *now = &p->now[index];
-    difference(now->angular_velocity, spin, change);
-    const bool is_constant = pl_vec_length(pl_vec_of(change)) <= pl_probe_tolerance(p, 10);
+    const pl_vec found = pl_vec_of(now->angular_velocity);
+    const bool is_constant = pl_vec_length(pl_vec_sub(found, spin)) <= pl_probe_tolerance(p, 10);
     if (declared == PL_GYROSCOPIC_NONE) {
-        pl_probe_expect_vector(p, "the angular velocity after 0.2 s, rad/s", now->angular_velocity,
-                               spin, pl_probe_tolerance(p, 10),
+        pl_probe_expect_vector(p, "the angular velocity after 0.2 s, rad/s", found, spin,
+                               pl_probe_tolerance(p, 10),
                                "PL_GYROSCOPIC_NONE is declared, and there is a torque");
     } else if (declared != PL_GYROSCOPIC_UNKNOWN || !is_constant) {
         const double *moments = p->scene.bodies[index].inertia;
         const pl_vec before = momentum_of(&p->start[index], moments);
-        double expected[3], found[3];
-        pl_vec_store(before, expected);
-        pl_vec_store(momentum_of(now, moments), found);
         pl_probe_expect_vector(p, "the angular momentum of a free body after 0.2 s, kg m^2/s",
-                               found, expected, 0.01 * pl_vec_length(before),
+                               momentum_of(now, moments), before, 0.01 * pl_vec_length(before),
                                name_precession(p, index));
     }
 }
 
 const pl_check pl_motion_checks[] = {
-    {"step-length", "a step advances by its dt", 0, 0, check_step_length},
-    {"frame-time", "the frame's time is that of the steps made", 0, 0, check_frame_time},
-    {"gravity", "bodies fall by the scene's gravity", 0, 0, check_gravity},
-    {"gravity-direction", "gravity may point in any direction", 0, 0, check_sideways_gravity},
-    {"integrator", "the integrator and the sub-steps are those declared", 0, 0, check_integrator},
-    {"linear-damping", "free bodies keep their velocity", 0, 0, check_speed_kept},
+    {"step-length", "a step advances by its dt", 0, 0, check_step_length, 0},
+    {"frame-time", "the frame's time is that of the steps made", 0, 0, check_frame_time, 0},
+    {"gravity", "bodies fall by the scene's gravity", 0, 0, check_gravity, 0},
+    {"gravity-direction", "gravity may point in any direction", 0, 0, check_sideways_gravity, 0},
+    {"integrator", "the integrator and the sub-steps are those declared", 0, 0, check_integrator,
+     0},
+    {"linear-damping", "free bodies keep their velocity", 0, 0, check_speed_kept, 0},
     {"angular-damping", "free bodies keep their angular velocity", PL_NEEDS_ROTATION, 0,
-     check_spin_kept},
-    {"speed-limits", "fast bodies stay fast", 0, 0, check_no_limits},
+     check_spin_kept, 0},
+    {"speed-limits", "fast bodies stay fast", 0, 0, check_no_limits, 0},
     {"angular-velocity", "angular velocity turns bodies about the world's axis, in rad/s",
-     PL_NEEDS_ROTATION, 0, check_spin_turns},
+     PL_NEEDS_ROTATION, 0, check_spin_turns, 0},
     {"gyroscopic-torque", "free bodies precess as declared", PL_NEEDS_ROTATION | PL_NEEDS_BOX, 0,
-     check_precession},
+     check_precession, 0},
     {0}};

@@ -3,6 +3,7 @@
 #include "mismatch.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,6 +34,17 @@ void pl_probe_skip(pl_probe *probe, const char *why)
     end(probe, PL_CHECK_SKIPPED, "", why, "");
 }
 
+const char *pl_probe_text(pl_probe *probe, const char *format, ...)
+{
+    const int count = (int)(sizeof probe->texts / sizeof *probe->texts);
+    char *text = probe->texts[probe->text_count++ % count];
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text, PL_CHECK_TEXT_SIZE, format, values);
+    va_end(values);
+    return text;
+}
+
 bool pl_probe_require(pl_probe *probe, bool condition, const char *expected, const char *found,
                       const char *cause)
 {
@@ -51,33 +63,33 @@ double pl_probe_tolerance(const pl_probe *probe, double scale)
 bool pl_probe_expect(pl_probe *probe, const char *what, double found, double expected,
                      double tolerance, const char *cause)
 {
-    char asked[PL_CHECK_TEXT_SIZE], got[PL_CHECK_TEXT_SIZE], ratio[100];
-    pl_describe_ratio(&found, &expected, 1, ratio, sizeof ratio);
-    snprintf(asked, sizeof asked, "%s: %.10g, to %.2g", what, expected, tolerance);
-    snprintf(got, sizeof got, "%.10g%s", isnan(found) ? fabs(found) : found, ratio);
-    return pl_probe_require(probe, fabs(found - expected) <= tolerance, asked, got, cause);
+    char ratio[100];
+    pl_describe_ratio((pl_vec){found, 0, 0}, (pl_vec){expected, 0, 0}, ratio, sizeof ratio);
+    return pl_probe_require(
+        probe, fabs(found - expected) <= tolerance,
+        pl_probe_text(probe, "%s: %.10g, to %.2g", what, expected, tolerance),
+        pl_probe_text(probe, "%.10g%s", isnan(found) ? fabs(found) : found, ratio), cause);
 }
 
-bool pl_probe_expect_vector(pl_probe *probe, const char *what, const double found[3],
-                            const double expected[3], double tolerance, const char *cause)
+bool pl_probe_expect_vector(pl_probe *probe, const char *what, pl_vec found, pl_vec expected,
+                            double tolerance, const char *cause)
 {
-    char asked[PL_CHECK_TEXT_SIZE], got[PL_CHECK_TEXT_SIZE], ratio[100];
-    bool equal = true;
-    pl_describe_ratio(found, expected, 3, ratio, sizeof ratio);
-    for (int k = 0; k < 3; ++k) {
-        equal = equal && fabs(found[k] - expected[k]) <= tolerance;
-    }
-    snprintf(asked, sizeof asked, "%s: (%.8g, %.8g, %.8g), to %.2g", what, expected[0], expected[1],
-             expected[2], tolerance);
-    snprintf(got, sizeof got, "(%.8g, %.8g, %.8g)%s", found[0], found[1], found[2], ratio);
-    return pl_probe_require(probe, equal, asked, got, cause);
+    char ratio[100];
+    const pl_vec off = pl_vec_sub(found, expected);
+    const bool equal =
+        fabs(off.x) <= tolerance && fabs(off.y) <= tolerance && fabs(off.z) <= tolerance;
+    pl_describe_ratio(found, expected, ratio, sizeof ratio);
+    return pl_probe_require(
+        probe, equal,
+        pl_probe_text(probe, "%s: (%.8g, %.8g, %.8g), to %.2g", what, expected.x, expected.y,
+                      expected.z, tolerance),
+        pl_probe_text(probe, "(%.8g, %.8g, %.8g)%s", found.x, found.y, found.z, ratio), cause);
 }
 
 bool pl_probe_expect_bodies(pl_probe *probe, const pl_contact *contact)
 {
-    char found[PL_CHECK_TEXT_SIZE];
     const int count = probe->scene.body_count, a = contact->body_a, b = contact->body_b;
-    snprintf(found, sizeof found, "a contact of bodies %d and %d", a, b);
+    const char *found = pl_probe_text(probe, "a contact of bodies %d and %d", a, b);
     pl_probe_require(probe, a >= 0 && a < count && b >= 0 && b < count,
                      "the bodies of a contact are indices of the scene", found,
                      "body_a or body_b is not set, is the engine's own number, or is -1 for what "
@@ -110,6 +122,13 @@ pl_scene *pl_probe_scene(pl_probe *probe, double dt)
     return &probe->scene;
 }
 
+pl_scene *pl_probe_floating(pl_probe *probe, double dt)
+{
+    pl_scene *scene = pl_probe_scene(probe, dt);
+    memset(scene->gravity, 0, sizeof scene->gravity);
+    return scene;
+}
+
 int pl_probe_add_material(pl_probe *probe, double friction, double restitution)
 {
     pl_error error = {.message = ""};
@@ -124,6 +143,11 @@ int pl_probe_add_body(pl_probe *probe, pl_body body)
 {
     pl_error error = {.message = ""};
     int index = 0;
+    const double *q = body.orientation;
+    body.mass = body.mass == 0 ? 1 : body.mass;
+    if (q[0] == 0 && q[1] == 0 && q[2] == 0 && q[3] == 0) {
+        body.orientation[0] = 1;
+    }
     snprintf(body.name, sizeof body.name, "body %d", probe->scene.body_count);
     if (probe->scene.body_count == PL_PROBE_MOST_BODIES) {
         pl_fail(&error, PL_NO_MEMORY, "too many bodies");
@@ -136,19 +160,16 @@ int pl_probe_add_body(pl_probe *probe, pl_body body)
 
 int pl_probe_add_floor(pl_probe *probe)
 {
-    pl_body floor = pl_body_default();
-    floor.is_static = true;
-    floor.shape = pl_shape_plane(0, 0, 1, 0);
-    return pl_probe_add_body(probe, floor);
+    return pl_probe_add_body(probe,
+                             (pl_body){.is_static = true, .shape = pl_shape_plane(0, 0, 1, 0)});
 }
 
-int pl_probe_add_sphere(pl_probe *probe, double radius, double mass, const double position[3])
+int pl_probe_add_ball(pl_probe *probe, double mass, pl_vec position, pl_vec velocity)
 {
-    pl_body ball = pl_body_default();
-    ball.shape = pl_shape_sphere(radius);
-    ball.mass = mass;
-    memcpy(ball.position, position, sizeof ball.position);
-    return pl_probe_add_body(probe, ball);
+    return pl_probe_add_body(probe, (pl_body){.shape = pl_shape_sphere(PL_BALL_RADIUS),
+                                              .mass = mass,
+                                              .position = {position.x, position.y, position.z},
+                                              .velocity = {velocity.x, velocity.y, velocity.z}});
 }
 
 static void read_frame(pl_probe *probe)

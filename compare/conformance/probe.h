@@ -4,10 +4,9 @@
  *
  *     static void check_gravity(pl_probe *p)
  *     {
- *         pl_scene *scene = pl_probe_scene(p, 1.0 / 100);
- *         pl_probe_add_sphere(p, 0.5, 1, (double[]){0, 0, 5});
- *         pl_probe_create(p);
- *         pl_probe_steps(p, 10);
+ *         pl_probe_scene(p, 1.0 / 100);
+ *         pl_probe_add_ball(p, 1, (pl_vec){0, 0, 5}, (pl_vec){0, 0, 0});
+ *         pl_probe_run(p, 10);
  *         pl_probe_expect(p, "the velocity after 10 steps, m/s", p->now[0].velocity[2], -0.981,
  *                         pl_probe_tolerance(p, 0.981), "gravity is not that of the scene");
  *     } */
@@ -15,12 +14,25 @@
 #define PLUMB_PROBE_H
 
 #include "conformance.h"
+#include "plumb/vec.h"
 #include "runner/session.h"
 
 enum { PL_PROBE_MOST_BODIES = 16 };
 
+struct pl_probe;
+
+/* A check. */
+typedef struct pl_check {
+    const char *name, *title;
+    uint32_t needs;    /* PL_NEEDS_* without which the check is skipped */
+    uint32_t contacts; /* PL_CONTACTS_* without which it is skipped */
+    void (*run)(struct pl_probe *probe);
+    int variant; /* tells checks that share `run` from each other */
+} pl_check;
+
 /* A check in progress. */
 typedef struct pl_probe {
+    const pl_check *check;
     const pl_engine_choice *choice;
     pl_session session;
     pl_scene scene;                             /* of the coming or the present instance */
@@ -33,17 +45,11 @@ typedef struct pl_probe {
     pl_contact *contacts;                       /* (contact_count) of the last step */
     int contact_count;                          /* 0 where the engine does not report contacts */
     int contact_capacity;
+    char texts[8][PL_CHECK_TEXT_SIZE]; /* of pl_probe_text */
+    int text_count;
     pl_check_result *result;
     bool over; /* failed or skipped: what follows does nothing */
 } pl_probe;
-
-/* A check. */
-typedef struct pl_check {
-    const char *name, *title;
-    uint32_t needs;    /* PL_NEEDS_* without which the check is skipped */
-    uint32_t contacts; /* PL_CONTACTS_* without which it is skipped */
-    void (*run)(pl_probe *probe);
-} pl_check;
 
 /* The checks of each file; one without a name ends them. */
 extern const pl_check pl_state_checks[], pl_place_checks[], pl_motion_checks[], pl_mass_checks[],
@@ -57,17 +63,24 @@ extern const pl_check pl_state_checks[], pl_place_checks[], pl_motion_checks[], 
  * for an engine that does not claim friction and rotation. The scene is the probe's. */
 pl_scene *pl_probe_scene(pl_probe *probe, double dt);
 
+/* The same without gravity. */
+pl_scene *pl_probe_floating(pl_probe *probe, double dt);
+
 /* Adds a material, whose index is returned. */
 int pl_probe_add_material(pl_probe *probe, double friction, double restitution);
 
-/* Adds a body, whose index is returned; its name is made up. */
+/* Adds a body, whose index is returned; its name is made up. A mass of 0 stands for 1 kg, and an
+ * orientation of 0 for no turn. */
 int pl_probe_add_body(pl_probe *probe, pl_body body);
 
 /* Adds the static plane z = 0, of material 0, and returns its index. */
 int pl_probe_add_floor(pl_probe *probe);
 
-/* Adds a sphere of material 0 (m, kg, m), and returns its index. */
-int pl_probe_add_sphere(pl_probe *probe, double radius, double mass, const double position[3]);
+/* The radius of balls, m. */
+static const double PL_BALL_RADIUS = 0.5;
+
+/* Adds a sphere of that radius and material 0 (kg, m, m/s), and returns its index. */
+int pl_probe_add_ball(pl_probe *probe, double mass, pl_vec position, pl_vec velocity);
 
 /* Creates the scene in the engine and reads the first frame. A scene that the engine refuses with
  * PL_UNSUPPORTED although it claims all that the scene needs is a failure. */
@@ -93,8 +106,12 @@ bool pl_probe_expect(pl_probe *probe, const char *what, double found, double exp
                      double tolerance, const char *cause);
 
 /* The same for three components. */
-bool pl_probe_expect_vector(pl_probe *probe, const char *what, const double found[3],
-                            const double expected[3], double tolerance, const char *cause);
+bool pl_probe_expect_vector(pl_probe *probe, const char *what, pl_vec found, pl_vec expected,
+                            double tolerance, const char *cause);
+
+/* A text for an expectation, as printf; valid until eight more are made. */
+__attribute__((format(printf, 2, 3))) const char *pl_probe_text(pl_probe *probe, const char *format,
+                                                                ...);
 
 /* Expects a condition; the texts say what was expected and what was found. */
 bool pl_probe_require(pl_probe *probe, bool condition, const char *expected, const char *found,

@@ -7,7 +7,7 @@
 
 static const char *ratio_of(const double found[3], const double expected[3], char text[100])
 {
-    pl_describe_ratio(found, expected, 3, text, 100);
+    pl_describe_ratio(pl_vec_of(found), pl_vec_of(expected), text, 100);
     return text;
 }
 
@@ -39,10 +39,10 @@ static void test_the_first_guess_that_fits_is_the_cause(void **state)
     (void)state;
     static const pl_guess guesses[] = {
         {{1, 2, 3}, "first"}, {{0, 0, 0}, "nothing"}, {{1, 2, 3}, "second"}};
-    assert_string_equal(pl_guess_cause((double[]){1, 2.001, 3}, guesses, 3, "other"), "first");
-    assert_string_equal(pl_guess_cause((double[]){0, 0, 0}, guesses, 3, "other"), "nothing");
-    assert_string_equal(pl_guess_cause((double[]){1, 2.1, 3}, guesses, 3, "other"), "other");
-    assert_string_equal(pl_guess_cause((double[]){NAN, 2, 3}, guesses, 3, "other"), "other");
+    assert_string_equal(pl_guess_cause((pl_vec){1, 2.001, 3}, guesses, 3, "other"), "first");
+    assert_string_equal(pl_guess_cause((pl_vec){0, 0, 0}, guesses, 3, "other"), "nothing");
+    assert_string_equal(pl_guess_cause((pl_vec){1, 2.1, 3}, guesses, 3, "other"), "other");
+    assert_string_equal(pl_guess_cause((pl_vec){NAN, 2, 3}, guesses, 3, "other"), "other");
 }
 
 int main(void)

@@ -208,7 +208,7 @@ struct pl_engine_instance {
 
 namespace {
 
-/* What the scene has for the materials of two bodies. */
+/* The coefficients of a contact of two bodies. */
 pl_pair_coefficients pair_of(const btCollisionObject *a, const btCollisionObject *b)
 {
     auto *instance = static_cast<const pl_engine_instance *>(a->getUserPointer());
