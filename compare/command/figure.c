@@ -3,7 +3,7 @@
 #include "base/file_text.h"
 #include "base/heap.h"
 #include "base/number.h"
-#include "report/summary.h"
+#include "report/report.h"
 #include "results/store.h"
 
 #include <errno.h>

@@ -3,7 +3,7 @@
 #define PLUMB_PAGE_DATA_H
 
 #include "plumb/scenario.h"
-#include "summary.h"
+#include "report_document.h"
 
 /* The whole report: {"kind": "report", ...}, a new reference. */
 json_t *pl_page_data(const pl_report *report);

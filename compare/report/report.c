@@ -6,9 +6,9 @@
 #include "base/heap.h"
 #include "page.h"
 #include "page_data.h"
+#include "report_document.h"
 #include "results/result.h"
 #include "results/store.h"
-#include "summary.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -307,7 +307,7 @@ static void add_recordings(const pl_report_def *def, pl_text_buffer *out)
     free(found);
 }
 
-static void make_page(const pl_report_def *def, const pl_report *report, pl_text_buffer *out)
+static void add_page(const pl_report_def *def, const pl_report *report, pl_text_buffer *out)
 {
     json_t *data = pl_page_data(report);
     if (def->reference != NULL) {
@@ -318,6 +318,16 @@ static void make_page(const pl_report_def *def, const pl_report *report, pl_text
     add_recordings(def, out);
     pl_page_close(out);
     json_decref(data);
+}
+
+static void add_summary(const pl_report *report, pl_text_buffer *out)
+{
+    pl_document document = {0};
+    pl_report_document(report, PL_READER_SUMMARY, &document);
+    char *text = pl_document_markdown(&document);
+    pl_text_add(out, text);
+    free(text);
+    pl_document_free(&document);
 }
 
 pl_status pl_report_write(const pl_report_def *def, pl_error *error)
@@ -332,8 +342,8 @@ pl_status pl_report_write(const pl_report_def *def, pl_error *error)
     if (status == PL_OK) {
         pl_report_csv(def->results, &files[0].text);
         pl_report_runs_csv(def->results, &files[1].text);
-        pl_report_summary(&report, &files[2].text);
-        make_page(def, &report, &files[3].text);
+        add_summary(&report, &files[2].text);
+        add_page(def, &report, &files[3].text);
         status = write_files(files, FILE_COUNT, def, error);
     }
     for (int i = 0; i < FILE_COUNT; ++i) {
@@ -341,4 +351,21 @@ pl_status pl_report_write(const pl_report_def *def, pl_error *error)
     }
     pl_report_free(&report);
     return status;
+}
+
+void pl_report_print(FILE *out, const pl_result_table *results, bool colour, int width)
+{
+    pl_report report;
+    pl_document document = {.colour = colour};
+    pl_error error = {PL_OK, ""};
+    if (pl_report_build(results, &report, &error) == PL_OK) {
+        pl_report_document(&report, PL_READER_TERMINAL, &document);
+        char *text = pl_document_text(&document, width);
+        fputs(text, out);
+        free(text);
+    } else {
+        fprintf(out, "no table: %s\n", error.message);
+    }
+    pl_document_free(&document);
+    pl_report_free(&report);
 }

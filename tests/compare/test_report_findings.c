@@ -38,10 +38,10 @@ static void test_inaccurate_run_is_a_finding(void **state)
     add_error(results, "c", "ode:quick", "ok", "travel_error", 0.5);
     add_error(results, "d", "ode:quick", "ok", "rest_position_error", 0.5);
     made_report made = make_report(results);
-    assert_int_equal(made.report.findings.runs, 4);
-    assert_int_equal(made.report.findings.count, 3);
-    assert_string_equal(made.report.findings.items[0].test_case->row->scenario, "a");
-    assert_string_equal(made.report.findings.items[1].test_case->row->scenario, "c");
+    assert_int_equal(made.report.findings.others.runs, 4);
+    assert_int_equal(made.report.findings.others.count, 3);
+    assert_string_equal(made.report.findings.others.items[0].cell->worst->scenario, "a");
+    assert_string_equal(made.report.findings.others.items[1].cell->worst->scenario, "c");
     assert_contains(made.data, "3 of 4 runs of ode:quick that were judged");
     assert_contains(made.data, "inaccurate, 1.01 % (value_error)");
     assert_contains(made.data, "inaccurate, 50 % (travel_error)");
@@ -57,18 +57,19 @@ static void test_our_own_runs_are_no_findings(void **state)
     add_error(results, "a", "plumb:fast", "ok", "value_error", 0.5);
     add_error(results, "b", "plumb:fast", "collapsed", "rest_position_error", 0.5);
     made_report made = make_report(results);
-    assert_int_equal(made.report.findings.count, 0);
-    assert_absent(made.data, "\"origin\":");
-    assert_absent(made.markdown.data, "## Findings");
-    assert_int_equal(made.report.findings.home_count, 2);
-    const char *losses = strstr(made.data, "\"home_statement\"");
+    assert_int_equal(made.report.findings.others.count, 0);
+    assert_absent(made.data, "Causes were found by experiment");
+    assert_absent(made.markdown, "## Findings");
+    assert_int_equal(made.report.findings.home.count, 2);
+    const char *losses = strstr(made.data, "Where plumb loses");
     assert_non_null(losses);
-    assert_contains(losses, "2 of 2 runs of plumb:fast that were judged are not accurate.");
+    assert_contains(losses, "2 of 2 runs of plumb:fast that were judged are not accurate; of 0 "
+                            "the cause is known.");
     assert_contains(losses, "inaccurate, 50 % (value_error)");
     assert_contains(losses, "\"the error is too large\"");
     char *table = printed_table(made.results, false, 120);
-    assert_contains(table, "  a, plumb:fast: inaccurate: the error is too large\n");
-    assert_contains(table, "  b, plumb:fast: failed: collapsed\n");
+    assert_contains(table, "a     plumb:fast  inaccurate, 50 % (value_error)");
+    assert_contains(table, "b     plumb:fast  failed: collapsed, 0.500 m (rest_position_error)");
     free(table);
     free_report(&made);
 }
@@ -82,9 +83,9 @@ static void test_failed_run_is_a_finding(void **state)
         json_t *results = json_array();
         add_error(results, "a", "ode:quick", failures[i], "rest_position_error", 0.25);
         made_report made = make_report(results);
-        assert_int_equal(made.report.findings.count, 1);
-        assert_contains(made.markdown.data, failures[i]);
-        assert_contains(made.markdown.data, "0.250 m");
+        assert_int_equal(made.report.findings.others.count, 1);
+        assert_contains(made.markdown, failures[i]);
+        assert_contains(made.markdown, "0.250 m");
         free_report(&made);
     }
     static const char *const others[] = {"ok", "unsupported"};
@@ -92,14 +93,14 @@ static void test_failed_run_is_a_finding(void **state)
         json_t *results = json_array();
         add_error(results, "a", "ode:quick", others[i], "rest_position_error", 0.005);
         made_report made = make_report(results);
-        assert_int_equal(made.report.findings.count, 0);
+        assert_int_equal(made.report.findings.others.count, 0);
         free_report(&made);
     }
     json_t *results = json_array();
     json_t *row = add_run(results, "a", "ode:quick", "collapsed");
     json_object_set_new(row, "primary_error", json_string(""));
     made_report made = make_report(results);
-    assert_int_equal(made.report.findings.count, 1);
+    assert_int_equal(made.report.findings.others.count, 1);
     assert_contains(made.data, "\"failed: collapsed\"");
     free_report(&made);
 }
@@ -113,7 +114,7 @@ static void test_an_error_without_a_value_is_a_finding(void **state)
                json_pack("{s:n, s:s}", "value", "reason", "no whole period"));
     set_verdict(row, NULL, "value_error has no value: no whole period");
     made_report made = make_report(results);
-    assert_int_equal(made.report.findings.count, 1);
+    assert_int_equal(made.report.findings.others.count, 1);
     assert_contains(made.data, "no value (value_error)");
     free_report(&made);
 }
@@ -134,15 +135,15 @@ static void test_known_cause_is_shown_with_its_evidence(void **state)
     add_error(results, "arch", "ode:dantzig", "crashed", "rest_position_error", 1);
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 4000);
-    for (int i = 0; i < made.report.findings.count; ++i) {
-        const pl_known_cause *cause = made.report.findings.items[i].cause;
+    for (int i = 0; i < made.report.findings.others.count; ++i) {
+        const pl_known_cause *cause = made.report.findings.others.items[i].cause;
         assert_non_null(cause);
         assert_contains_json(made.data, cause->cause);
         assert_contains_json(made.data, cause->evidence);
         assert_contains(table, cause->cause);
     }
     assert_contains(made.data, "of 2 the cause is known");
-    assert_contains(made.markdown.data, "gyroscopic");
+    assert_contains(made.markdown, "gyroscopic");
     free(table);
     free_report(&made);
 }
@@ -155,10 +156,10 @@ static void test_unknown_cause_is_reported_as_unknown(void **state)
     add_error(results, "overhang", "ode:quick", "collapsed", "rest_position_error", 1);
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 4000);
-    assert_int_equal(made.report.findings.count, 2);
+    assert_int_equal(made.report.findings.others.count, 2);
     assert_contains(made.data, "of 0 the cause is known");
     assert_contains(made.data, "\"cause not known\"");
-    assert_contains(made.markdown.data, "| cause not known ");
+    assert_contains(made.markdown, "| cause not known ");
     assert_contains(table, "cause not known");
     free(table);
     free_report(&made);
@@ -268,7 +269,7 @@ static void test_pages_show_a_cause_only_where_it_applies(void **state)
         json_object_set_new(row, "params", json_pack("{s:i}", "n", n));
         made_report made = make_report(results);
         assert_int_equal(count_of(made.data, "of 100 cubes 1000 sweeps"), n == 100);
-        assert_int_equal(count_of(made.markdown.data, "of 100 cubes 1000 sweeps"), n == 100);
+        assert_int_equal(count_of(made.markdown, "of 100 cubes 1000 sweeps"), n == 100);
         assert_int_equal(count_of(made.data, "cause not known"), n == 300);
         free_report(&made);
     }
@@ -400,11 +401,11 @@ static void test_stepping_and_contact_errors_are_listed_separately(void **state)
     set_metric(untold, "discrete_error", metric_value(0.001));
     add_error(results, "c", "ode:quick", "ok", "value_error", 0.003);
     made_report made = make_report(results);
-    assert_contains(made.markdown.data,
+    assert_contains(made.markdown,
                     "| second order, exact for constant force | 2.00e-15 | 1.00e-15 |");
-    assert_contains(made.markdown.data, "| not detected |");
-    assert_contains(made.markdown.data, "| semi-implicit Euler | 0.00550 | 3.00e-14 |");
-    assert_absent(made.markdown.data, "| c | ode:quick | not detected");
+    assert_contains(made.markdown, "| not detected |");
+    assert_contains(made.markdown, "| semi-implicit Euler | 0.00550 | 3.00e-14 |");
+    assert_absent(made.markdown, "| c | ode:quick | not detected");
     free_report(&made);
 }
 
@@ -413,7 +414,7 @@ static void test_without_both_errors_there_is_no_such_section(void **state)
     (void)state;
     made_report made = make_report(two_runs("drift", 1e-3, 2e-3));
     assert_absent(made.data, "\"discrete_error\":[");
-    assert_absent(made.markdown.data, "Time stepping");
+    assert_absent(made.markdown, "Time stepping");
     free_report(&made);
 }
 
@@ -424,7 +425,7 @@ static void test_findings_come_after_losses(void **state)
     add_error(results, "a", "plumb:fast", "ok", "value_error", 0.5);
     add_error(results, "a", "ode:quick", "ok", "value_error", 0.5);
     made_report made = make_report(results);
-    assert_before(made.markdown.data, "## Where plumb loses", "## Findings");
+    assert_before(made.markdown, "## Where plumb loses", "## Findings");
     char *table = printed_table(made.results, false, 100);
     assert_before(table, "Where plumb loses", "Findings\n");
     free(table);

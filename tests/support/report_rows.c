@@ -113,8 +113,10 @@ made_report make_report(json_t *results)
     made.data = json_dumps(data, JSON_COMPACT | JSON_REAL_PRECISION(17));
     assert_non_null(made.data);
     json_decref(data);
-    pl_report_summary(&made.report, &made.markdown);
-    assert_false(made.markdown.failed);
+    pl_document document = {0};
+    pl_report_document(&made.report, PL_READER_SUMMARY, &document);
+    made.markdown = pl_document_markdown(&document);
+    pl_document_free(&document);
     return made;
 }
 
@@ -123,7 +125,7 @@ void free_report(made_report *made)
     pl_report_free(&made->report);
     free_table(made->table);
     free(made->data);
-    pl_text_free(&made->markdown);
+    free(made->markdown);
     json_decref(made->results);
 }
 
@@ -134,7 +136,7 @@ char *printed_table(const json_t *results, bool colour, int width)
     FILE *out = open_memstream(&text, &size);
     assert_non_null(out);
     pl_result_table *made = table_of(results);
-    pl_report_print_table(out, made, colour, width);
+    pl_report_print(out, made, colour, width);
     free_table(made);
     fclose(out);
     return text;
