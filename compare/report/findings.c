@@ -26,7 +26,7 @@ static void note_run(const pl_result_table *results, const pl_result_cell *cell,
                      pl_all_findings *all)
 {
     const pl_engine_finding finding = {
-        .cell = cell, .cause = pl_known_cause_find(&all->causes, cell->worst->result)};
+        .cell = cell, .cause = pl_known_cause_find(all->causes, cell->worst->result)};
     const bool is_home = results->configurations[cell->configuration].is_home;
     pl_engine_findings *findings = is_home ? &all->home : &all->others;
     findings->runs += is_counted(cell);
@@ -35,20 +35,17 @@ static void note_run(const pl_result_table *results, const pl_result_cell *cell,
     }
 }
 
-pl_status pl_findings_find(const pl_result_table *results, pl_all_findings *findings,
-                           pl_error *error)
+void pl_findings_find(const pl_result_table *results, pl_all_findings *findings)
 {
-    *findings = (pl_all_findings){.results = results};
-    pl_status status = pl_known_causes_read(NULL, NULL, &findings->causes, error);
-    for (int i = 0; i < results->cell_count && status == PL_OK; ++i) {
+    *findings = (pl_all_findings){.results = results, .causes = pl_known_causes()};
+    for (int i = 0; i < results->cell_count; ++i) {
         note_run(results, &results->cells[i], findings);
     }
-    return status;
 }
 
 void pl_findings_free(pl_all_findings *findings)
 {
-    pl_known_causes_free(&findings->causes);
+    json_decref(findings->causes);
     free(findings->home.items);
     free(findings->others.items);
     *findings = (pl_all_findings){0};
@@ -77,17 +74,24 @@ static void add_error(const pl_result_cell *cell, pl_table *table)
     }
 }
 
+/* The cause in words; "" where none is known, though it may have been sought. */
+static const char *cause_of(const pl_engine_finding *finding)
+{
+    return pl_json_get_text(finding->cause, "cause");
+}
+
 static void add_row(const pl_result_table *results, const pl_engine_finding *finding, bool is_short,
                     pl_table *table)
 {
-    const pl_known_cause *cause = finding->cause;
+    const char *cause = cause_of(finding);
     pl_table_add(table, results->cases[finding->cell->test_case].name);
     pl_table_add(table, results->configurations[finding->cell->configuration].name);
     add_error(finding->cell, table);
     pl_table_style(table, pl_cell_style(finding->cell));
-    pl_table_add(table, cause != NULL && cause->cause != NULL ? cause->cause : "cause not known");
+    pl_table_add(table, cause[0] != '\0' ? cause : "cause not known");
     if (!is_short) {
-        pl_table_add(table, cause != NULL ? cause->evidence : pl_no_number);
+        pl_table_add(table, finding->cause == NULL ? pl_no_number
+                                                   : pl_json_get_text(finding->cause, "evidence"));
         pl_table_add(table, pl_cell_why(finding->cell));
     }
 }
@@ -106,7 +110,7 @@ void pl_findings_describe(const pl_all_findings *all, bool home, int shown, bool
                                         "what was varied, and what changed|why");
     for (int i = 0; i < findings->count; ++i) {
         add_row(all->results, &findings->items[i], is_short, &table);
-        known += findings->items[i].cause != NULL && findings->items[i].cause->cause != NULL;
+        known += cause_of(&findings->items[i])[0] != '\0';
     }
     char *names = pl_engine_names(all->results, home);
     char *causes = findings->count == 0 ? pl_heap_copy("")
@@ -130,7 +134,7 @@ void pl_findings_describe_adapters(const pl_all_findings *all, pl_document *docu
         pl_document_paragraph(document,
                               "Causes were found by experiment with %s; each is shown only for the "
                               "version, profile and parameters of its experiment.",
-                              all->causes.found_with);
+                              pl_json_get_text(all->causes, "found_with"));
     }
     free(listed);
 }

@@ -10,7 +10,7 @@
  * that the engine does not support is no finding. */
 typedef struct pl_engine_finding {
     const pl_result_cell *cell;
-    const pl_known_cause *cause; /* NULL: nothing is known of this run */
+    const json_t *cause; /* of known_causes.json; NULL: nothing is known of this run */
 } pl_engine_finding;
 
 /* The findings about the home engine, or about the others. */
@@ -24,13 +24,11 @@ typedef struct pl_engine_findings {
 typedef struct pl_all_findings {
     const pl_result_table *results; /* borrowed */
     pl_engine_findings home, others;
-    pl_known_causes causes;
+    json_t *causes; /* owned */
 } pl_all_findings;
 
-/* Finds the findings in results, which must outlive *findings. PL_BAD_INPUT: the file of known causes is
- * malformed. The caller frees *findings, also on failure. */
-pl_status pl_findings_find(const pl_result_table *results, pl_all_findings *findings,
-                           pl_error *error);
+/* Finds the findings in results, which must outlive *findings. The caller frees *findings. */
+void pl_findings_find(const pl_result_table *results, pl_all_findings *findings);
 
 /* Frees the findings. */
 void pl_findings_free(pl_all_findings *findings);

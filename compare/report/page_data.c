@@ -1,5 +1,6 @@
 #include "page_data.h"
 
+#include "base/heap.h"
 #include "base/number_format.h"
 #include "base/program_name.h"
 #include "case_scene.h"
@@ -7,6 +8,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The file of words, which compare/CMakeLists.txt builds into the program. */
@@ -127,7 +129,7 @@ json_t *pl_page_data_metrics(void)
 
 /* ---- Cases ---- */
 
-void pl_page_data_scenario(const pl_scenario *scenario, json_t *object)
+static void set_catalogue(const pl_scenario *scenario, json_t *object)
 {
     set_text(object, "title", scenario->title);
     set_text(object, "description", scenario->description);
@@ -140,77 +142,77 @@ void pl_page_data_scenario(const pl_scenario *scenario, json_t *object)
     set_text(object, "threads", scenario->threads);
 }
 
-/* The time step and the duration of a scene file, which are no parameters of its own. */
-static const pl_param file_times[2] = {{.name = "dt", .unit = "s", .help = "time step"},
-                                       {.name = "duration", .unit = "s", .help = "simulated time"}};
+/* A parameter of a case. */
+typedef struct given {
+    pl_param param;
+    const json_t *value;
+    bool
+        is_time; /* the time step or the duration of a scene file, which are no parameters of its own */
+} given;
 
-static bool is_file_time(const char *name)
+static void add_given(const pl_param *param, const json_t *values, bool is_time, given **list,
+                      int *count)
 {
-    return strcmp(name, file_times[0].name) == 0 || strcmp(name, file_times[1].name) == 0;
+    const given item = {*param, json_object_get(values, param->name), is_time};
+    pl_push(list, count, &item, sizeof item);
 }
 
-static void add_param(json_t *array, const pl_param *param, const json_t *value)
+/* The parameters of a case; of a scene file its own, whose meaning is not known, then its time step and duration. The
+ * caller frees. */
+static given *list_given(const pl_result_case *test_case, int *count)
 {
-    char number[PL_QUANTITY_SIZE];
-    pl_format_given(json_is_number(value) ? json_number_value(value) : (double)NAN, param->unit,
-                    number);
-    json_array_append_new(array,
-                          json_pack("[s, s, o]", param->name, number, text_or_null(param->help)));
-}
-
-/* Parameters as [name, value, meaning]; of a scene file its own, without meaning, then its time step
- * and duration. */
-static json_t *params_json(const pl_result_case *test_case)
-{
+    static const pl_param times[2] = {
+        {.name = "dt", .unit = "s", .help = "time step", .value = (double)NAN},
+        {.name = "duration", .unit = "s", .help = "simulated time", .value = (double)NAN}};
     const pl_scenario *scenario = test_case->row->catalogue;
+    const json_t *params = test_case->row->params;
     const json_t *settings = json_object_get(test_case->row->result, "settings");
-    json_t *array = json_array();
+    given *list = NULL;
     const char *name;
     json_t *value;
+    *count = 0;
     for (int i = 0; scenario != NULL && i < scenario->param_count; ++i) {
-        const pl_param *param = &scenario->params[i];
-        add_param(array, param, json_object_get(test_case->row->params, param->name));
+        add_given(&scenario->params[i], params, false, &list, count);
     }
-    json_object_foreach((json_t *)test_case->row->params, name, value)
+    json_object_foreach((json_t *)params, name, value)
     {
-        if (scenario == NULL && !is_file_time(name)) {
-            add_param(array, &(pl_param){.name = name, .unit = "1", .help = ""}, value);
+        const pl_param own = {.name = name, .unit = "1", .help = "", .value = (double)NAN};
+        if (scenario == NULL && strcmp(name, "dt") != 0 && strcmp(name, "duration") != 0) {
+            add_given(&own, params, false, &list, count);
         }
     }
     for (int i = 0; scenario == NULL && i < 2; ++i) {
-        add_param(array, &file_times[i], json_object_get(settings, file_times[i].name));
+        add_given(&times[i], settings, true, &list, count);
+    }
+    return list;
+}
+
+/* Parameters as [name, value, meaning]. */
+static json_t *params_json(const given *list, int count)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < count; ++i) {
+        char number[PL_QUANTITY_SIZE];
+        pl_format_given(json_is_number(list[i].value) ? json_number_value(list[i].value)
+                                                      : (double)NAN,
+                        list[i].param.unit, number);
+        json_array_append_new(array, json_pack("[s, s, o]", list[i].param.name, number,
+                                               text_or_null(list[i].param.help)));
     }
     return array;
 }
 
 /* The command that makes the runs of a case again. */
-static json_t *again_json(const pl_result_case *test_case)
+static json_t *again_json(const pl_result_case *test_case, const given *list, int count)
 {
-    const pl_scenario *scenario = test_case->row->catalogue;
-    const json_t *settings = json_object_get(test_case->row->result, "settings");
     pl_text_buffer line = {0};
-    pl_text_add(&line, "plumb compare ");
+    pl_text_add(&line, PL_PROGRAM " compare ");
     pl_text_add_shell(&line, test_case->row->scenario);
-    for (int i = 0; scenario != NULL && i < scenario->param_count; ++i) {
-        const json_t *value = json_object_get(test_case->row->params, scenario->params[i].name);
-        if (json_is_number(value) && json_number_value(value) != scenario->params[i].value) {
-            pl_text_format(&line, " --set %s=%.17g", scenario->params[i].name,
-                           json_number_value(value));
-        }
-    }
-    const char *name;
-    json_t *param;
-    json_object_foreach((json_t *)test_case->row->params, name, param)
-    {
-        if (scenario == NULL && !is_file_time(name)) {
-            pl_text_format(&line, " --set %s=%.17g", name, json_number_value(param));
-        }
-    }
-    for (int i = 0; scenario == NULL && i < 2; ++i) {
-        const char *time = file_times[i].name;
-        if (json_is_number(json_object_get(settings, time))) {
-            pl_text_format(&line, " --%s %.17g", time,
-                           json_number_value(json_object_get(settings, time)));
+    for (int i = 0; i < count; ++i) {
+        const double value = json_number_value(list[i].value);
+        if (json_is_number(list[i].value) && value != list[i].param.value) {
+            pl_text_format(&line, list[i].is_time ? " --%s %.17g" : " --set %s=%.17g",
+                           list[i].param.name, value);
         }
     }
     if (test_case->row->seed != 0) {
@@ -307,17 +309,20 @@ static void set_bound(const pl_result_case *test_case, json_t *object)
 static json_t *case_json(const pl_result_table *results, const pl_result_case *test_case)
 {
     json_t *object = json_object(), *cells = json_array();
+    int count = 0;
+    given *list = list_given(test_case, &count);
     pl_scene scene;
     pl_error error = {PL_OK, ""};
     const pl_status built = pl_case_scene_build(test_case, &scene, &error);
     set_text(object, "name", test_case->name);
     set_text(object, "scenario", test_case->row->scenario);
     if (test_case->row->catalogue != NULL) {
-        pl_page_data_scenario(test_case->row->catalogue, object);
+        set_catalogue(test_case->row->catalogue, object);
     }
     set_bound(test_case, object);
-    json_object_set_new(object, "params", params_json(test_case));
-    json_object_set_new(object, "again", again_json(test_case));
+    json_object_set_new(object, "params", params_json(list, count));
+    json_object_set_new(object, "again", again_json(test_case, list, count));
+    free(list);
     if (built == PL_OK) {
         json_object_set_new(object, "scene", pl_case_scene_json(&scene));
     } else {

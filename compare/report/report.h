@@ -41,7 +41,8 @@ void pl_report_csv(const pl_result_table *results, pl_text_buffer *out);
 void pl_report_print(FILE *out, const pl_result_table *results, bool colour, int width);
 
 /* Adds the catalogue as one HTML page: each scenario with its scene, right answer, source and
- * parameters. The error of a scenario that cannot be built. */
-pl_status pl_catalogue_page(pl_text_buffer *out, pl_error *error);
+ * parameters. The arrays are those of plumb list --json, borrowed. The error of a scenario that cannot be built. */
+pl_status pl_catalogue_page(json_t *scenarios, json_t *suites, pl_text_buffer *out,
+                            pl_error *error);
 
 #endif

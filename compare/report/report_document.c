@@ -11,11 +11,12 @@
 
 enum { LOSSES_ON_TERMINAL = 5, SHOWN_LOSSES = 20 };
 
-pl_status pl_report_build(const pl_result_table *results, pl_report *report, pl_error *error)
+pl_report pl_report_build(const pl_result_table *results)
 {
-    *report = (pl_report){.results = results};
-    pl_losses_find(results, &report->losses);
-    return pl_findings_find(results, &report->findings, error);
+    pl_report report = {.results = results};
+    pl_losses_find(results, &report.losses);
+    pl_findings_find(results, &report.findings);
+    return report;
 }
 
 void pl_report_free(pl_report *report)

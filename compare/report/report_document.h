@@ -12,9 +12,8 @@ typedef struct pl_report {
     pl_all_findings findings;
 } pl_report;
 
-/* Finds what is to be said of results, which must outlive *report. Errors as of pl_findings_find. The caller frees
- * *report, also on failure. */
-pl_status pl_report_build(const pl_result_table *results, pl_report *report, pl_error *error);
+/* Finds what is to be said of results, which must outlive the report. The caller frees it. */
+pl_report pl_report_build(const pl_result_table *results);
 
 /* Frees the report. */
 void pl_report_free(pl_report *report);
