@@ -4,7 +4,6 @@
 #include "folding.h"
 #include "heap.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -38,6 +37,13 @@ void pl_document_paragraph(pl_document *document, const char *format, ...)
     va_start(arguments, format);
     add_text(document, PL_BLOCK_PARAGRAPH, format, arguments);
     va_end(arguments);
+}
+
+void pl_document_words(pl_document *document, pl_text_buffer *words)
+{
+    if (words->length > 0) {
+        add_block(document, (pl_block){.kind = PL_BLOCK_PARAGRAPH, .text = pl_text_take(words)});
+    }
 }
 
 void pl_document_item(pl_document *document, const char *format, ...)
@@ -107,36 +113,96 @@ void pl_document_free(pl_document *document)
 
 /* ---- Text and Markdown ---- */
 
-/* Adds text after a mark, folded to the width; 0: not folded. */
-static void add_folded(pl_text_buffer *out, const char *mark, const char *text, int width)
+/* How text is written. */
+typedef struct writer {
+    pl_text_buffer *out;
+    int width; /* of a terminal; 0: Markdown */
+    bool colour;
+} writer;
+
+/* Adds a line after a mark: folded for a terminal, escaped in Markdown. */
+static void add_line(const writer *w, const char *mark, const char *text)
 {
     pl_text_buffer line = {0};
-    pl_text_format(&line, "%s%s\n", mark, text);
+    pl_text_add(&line, mark);
+    if (w->width > 0) {
+        pl_text_format(&line, "%s\n", text);
+    } else {
+        pl_text_add_markdown(&line, text);
+        pl_text_add(&line, "\n");
+    }
     char *whole = pl_text_take(&line);
-    pl_text_add_folded(out, whole, width > 0 ? width : INT_MAX);
+    if (w->width > 0) {
+        pl_text_add_folded(w->out, whole, w->width);
+    } else {
+        pl_text_add(w->out, whole);
+    }
     free(whole);
 }
 
-/* `width` is that of a terminal; 0: Markdown. */
-static void write_block(const pl_block *block, int width, pl_text_buffer *out)
+/* Adds a heading; `mark` is that of Markdown. */
+static void add_heading(const writer *w, const char *mark, const char *text)
 {
-    const int text_width = width > 0 ? width : PL_MARKDOWN_WIDTH;
+    pl_text_add(w->out, w->colour ? "\033[1m" : "");
+    add_line(w, w->width > 0 ? "" : mark, text);
+    pl_text_add(w->out, w->colour ? "\033[0m" : "");
+}
+
+/* Adds the rows of a table below each heading of its own, a row that is one span. */
+static void add_parts(const writer *w, pl_table table, int rows)
+{
+    const pl_table_format format = w->width > 0 ? PL_TABLE_TEXT : PL_TABLE_MARKDOWN;
+    for (int row = 0; row < rows; row = table.last) {
+        if (table.cells[row * table.column_count].is_span) {
+            pl_text_add(w->out, row > 0 ? "\n" : "");
+            add_heading(w, "### ", pl_table_text(&table, row, 0));
+            pl_text_add(w->out, w->width > 0 ? "" : "\n");
+            ++row;
+        }
+        table.first = row;
+        for (table.last = row; table.last < rows; ++table.last) {
+            if (table.cells[table.last * table.column_count].is_span) {
+                break;
+            }
+        }
+        pl_table_write(&table, format, w->out);
+    }
+}
+
+/* The rows after those that are shown at first are counted, and in Markdown folded up. */
+static void add_table(const writer *w, pl_table table)
+{
+    const int rows = pl_table_rows(&table);
+    const int shown = table.last == 0 || table.last > rows ? rows : table.last;
+    table.line_width = w->width;
+    table.colour = w->colour;
+    add_parts(w, table, shown);
+    if (shown < rows && w->width > 0) {
+        pl_text_format(w->out, "and %d more\n", rows - shown);
+    } else if (shown < rows) {
+        table.first = shown;
+        table.last = rows;
+        pl_text_format(w->out, "\n<details><summary>%d more</summary>\n\n", rows - shown);
+        pl_table_write(&table, PL_TABLE_MARKDOWN, w->out);
+        pl_text_add(w->out, "\n</details>\n");
+    }
+}
+
+static void write_block(const writer *w, const pl_block *block)
+{
     switch (block->kind) {
     case PL_BLOCK_HEADING:
-        add_folded(out, width > 0 ? "" : "## ", block->text, width);
+        add_heading(w, "## ", block->text);
         break;
     case PL_BLOCK_PARAGRAPH:
-        add_folded(out, "", block->text, text_width);
+        add_line(w, "", block->text);
         break;
     case PL_BLOCK_ITEM:
-        add_folded(out, "- ", block->text, text_width);
+        add_line(w, "- ", block->text);
         break;
-    case PL_BLOCK_TABLE: {
-        pl_table table = block->table;
-        table.line_width = width;
-        pl_table_write(&table, width > 0 ? PL_TABLE_TEXT : PL_TABLE_MARKDOWN_PADDED, out);
+    case PL_BLOCK_TABLE:
+        add_table(w, block->table);
         break;
-    }
     case PL_BLOCK_PLOT:
         break;
     }
@@ -146,14 +212,15 @@ static void write_block(const pl_block *block, int width, pl_text_buffer *out)
 static char *write_all(const pl_document *document, int width)
 {
     pl_text_buffer out = {0};
+    const writer w = {&out, width, document->colour && width > 0};
     bool in_list = false;
-    add_folded(&out, width > 0 ? "" : "# ", document->title, width);
+    add_heading(&w, "# ", document->title);
     for (int i = 0; i < document->count; ++i) {
         const pl_block *block = &document->blocks[i];
         const bool is_item = block->kind == PL_BLOCK_ITEM;
         if (block->kind != PL_BLOCK_PLOT) {
             pl_text_add(&out, in_list && is_item ? "" : "\n");
-            write_block(block, width, &out);
+            write_block(&w, block);
             in_list = is_item;
         }
     }
@@ -202,8 +269,8 @@ static json_t *table_json(const pl_block *block)
         }
         json_array_append_new(rows, row);
     }
-    return json_pack("{s:o, s:o, s:o}", "caption", pl_json_text(block->text), "columns", columns,
-                     "rows", rows);
+    return json_pack("{s:o, s:o, s:i, s:o}", "caption", pl_json_text(block->text), "columns",
+                     columns, "most", table->last, "rows", rows);
 }
 
 static json_t *block_json(const pl_block *block)

@@ -16,9 +16,6 @@
 
 #include <jansson.h>
 
-/* The width in which paragraphs of Markdown are written. */
-enum { PL_MARKDOWN_WIDTH = 90 };
-
 /* A part of a document. */
 typedef enum pl_block_kind {
     PL_BLOCK_HEADING,
@@ -41,6 +38,7 @@ typedef struct pl_document {
     const char *title; /* borrowed */
     pl_block *blocks;  /* (count) */
     int count;
+    bool colour; /* text for a terminal: bold headings, and cells coloured by style */
 } pl_document;
 
 /* Frees the parts. */
@@ -54,11 +52,16 @@ __attribute__((format(printf, 2, 3))) void pl_document_heading(pl_document *docu
 __attribute__((format(printf, 2, 3))) void pl_document_paragraph(pl_document *document,
                                                                  const char *format, ...);
 
+/* Adds words as a paragraph, whose text the document takes: `words` is empty then. Nothing where there are none. */
+void pl_document_words(pl_document *document, pl_text_buffer *words);
+
 /* Adds an item of a list, formatted as printf does. */
 __attribute__((format(printf, 2, 3))) void pl_document_item(pl_document *document,
                                                             const char *format, ...);
 
-/* Adds a table, whose contents the document takes: `table` is empty then. One without rows is left out. */
+/* Adds a table, whose contents the document takes: `table` is empty then. One without rows is left out. Of its rows
+ * `table->last` are shown at first (0: all), and the others are folded up, or counted on a terminal. A row that is one
+ * span is a heading of those below it, which stand in a table of their own. */
 void pl_document_table(pl_document *document, const char *caption, pl_table *table);
 
 /* ---- Plots ---- */
@@ -87,10 +90,13 @@ void pl_document_plot(pl_document *document, json_t *plot);
 /* For a terminal with lines of `width` columns. Wider tables are folded: each part of a row keeps its key columns. */
 char *pl_document_text(const pl_document *document, int width);
 
-/* As GitHub Flavored Markdown. */
+/* As GitHub Flavored Markdown: every text is escaped, and so stays a text. */
 char *pl_document_markdown(const pl_document *document);
 
-/* {"title", "sections": [{"title", "blocks": [...]}]}: a block is {"text"}, {"item"}, {"caption", "columns", "rows"}
+/* All tables as CSV, each after its caption on a line, with an empty line between two. */
+char *pl_document_csv(const pl_document *document);
+
+/* {"title", "sections": [{"title", "blocks": [...]}]}: a block is {"text"}, {"item"}, {"caption", "columns", "most", "rows"}
  * or a plot {"kind", "caption", "x", "y", "rule", "rows"}. A new reference. */
 json_t *pl_document_json(const pl_document *document);
 

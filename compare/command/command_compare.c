@@ -30,7 +30,7 @@ static void print_table(const pl_result_table *results)
 {
     const char *plain = getenv("NO_COLOR");
     bool terminal = isatty(STDOUT_FILENO) == 1;
-    pl_report_print_table(stdout, results, terminal && (plain == NULL || plain[0] == '\0'),
+    pl_report_print(stdout, results, terminal && (plain == NULL || plain[0] == '\0'),
                           pl_window_width(stdout));
 }
 

@@ -230,9 +230,12 @@ static void write_page(const pl_call *call, const options *o)
 {
     pl_text_buffer out = {0};
     pl_error error = {.message = ""};
+    json_t *scenarios = list_scenarios(), *suites = list_suites();
     pl_call_check(call, pl_request_outputs(&o->request, o->page, &error), &error);
-    pl_call_check(call, pl_catalogue_page(&out, &error), &error);
+    pl_call_check(call, pl_catalogue_page(scenarios, suites, &out, &error), &error);
     pl_call_check(call, pl_write_buffer(o->page, &out, &error), &error);
+    json_decref(scenarios);
+    json_decref(suites);
 }
 
 /* Returns whether an engine of the list could not be asked. */

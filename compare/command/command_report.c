@@ -32,33 +32,40 @@ typedef struct options {
     const format *format;
 } options;
 
-static bool has_run(const pl_merge *merge, const json_t *result)
+/* A report in the making. */
+typedef struct making {
+    const pl_call *call;
+    const options *o;
+    const pl_request *request; /* of o */
+    pl_merge merge;
+    pl_error error;
+} making;
+
+/* Ends the program with the error of *m unless the status is PL_OK. */
+static void need(const making *m, pl_status status)
 {
-    return json_object_get(merge->runs, pl_json_get_text(result, "run")) != NULL;
+    pl_call_check(m->call, status, &m->error);
 }
 
 /* Results of the folder that are not in the report would be lost. */
-static pl_status check_kept(const pl_merge *merge, const char *out, pl_store *store, bool force,
-                            pl_error *error)
+static void check_kept(making *m, pl_store *store)
 {
     long lost = 0;
-    if (force) {
-        return PL_OK;
-    }
     size_t index;
     const json_t *result;
     json_array_foreach(pl_store_results(store), index, result)
     {
-        lost += !has_run(merge, result);
+        lost += json_object_get(m->merge.runs, pl_json_get_text(result, "run")) == NULL;
     }
-    return lost == 0 ? PL_OK
-                     : pl_fail(error, PL_BAD_INPUT,
-                               "%s/results.jsonl has %ld results that the report would not have: "
-                               "name it too, or choose another --out; --force leaves them out",
-                               out, lost);
+    if (lost > 0 && !m->request->force) {
+        need(m, pl_fail(&m->error, PL_BAD_INPUT,
+                        "%s/results.jsonl has %ld results that the report would not have: "
+                        "name it too, or choose another --out; --force leaves them out",
+                        m->request->out, lost));
+    }
 }
 
-/* Whether the folder is one of those that are read. */
+/* Whether the folder of the report is one of those that are read. */
 static bool is_read(const pl_request *request)
 {
     struct stat out, name;
@@ -70,15 +77,17 @@ static bool is_read(const pl_request *request)
     return found;
 }
 
-/* Whether a file of --out may be written: it is not there, or is a report of the same results. */
-static pl_status check_file(const pl_request *request, bool is_own, const char *file,
-                            pl_error *error)
+/* A file of --out may be written if it is not there, or is a report of the same results. */
+static void check_file(making *m, bool is_own, const char *file)
 {
-    char *path = pl_heap_format("%s/%s", request->out, file);
-    const pl_status status = is_own ? PL_OK : pl_output_check(path, request->force, error);
+    char *path = pl_heap_format("%s/%s", m->request->out, file);
+    if (!is_own) {
+        need(m, pl_output_check(path, m->request->force, &m->error));
+    }
     free(path);
-    return status;
 }
+
+/* ---- The report of results ---- */
 
 /* Whether an engine has several points on a scene: other settings or time steps. */
 static bool is_sweep(const pl_sweep_analysis *analysis)
@@ -95,35 +104,30 @@ static bool is_sweep(const pl_sweep_analysis *analysis)
     return false;
 }
 
-static pl_status build_table(const pl_request *request, const pl_merge *merge, bool has_changes,
-                             pl_result_table *results, pl_error *error)
+static pl_result_table build_table(making *m, bool has_changes)
 {
-    const pl_result_table_def def = {.files = merge->sources,
-                                     .file_count = merge->source_count,
+    const pl_result_table_def def = {.files = m->merge.sources,
+                                     .file_count = m->merge.source_count,
                                      .has_changes = has_changes,
-                                     .home = request->home};
-    return pl_result_table_build(&def, results, error);
+                                     .home = m->request->home};
+    pl_result_table results;
+    need(m, pl_result_table_build(&def, &results, &m->error));
+    return results;
 }
 
 /* Of a sweep, who is faster at the same error. */
-static pl_status analyse(const pl_request *request, const pl_merge *merge, pl_error *error)
+static void analyse(making *m)
 {
-    pl_result_table results;
+    pl_result_table results = build_table(m, true);
     pl_sweep_analysis analysis = {.results = NULL};
-    pl_status status = build_table(request, merge, true, &results, error);
-    if (status == PL_OK) {
-        pl_sweep_analyse(&results, &analysis);
-    }
-    if (status == PL_OK && is_sweep(&analysis)) {
-        status = pl_sweep_report_write(request->out, &analysis, error);
-        if (status == PL_OK) {
-            pl_sweep_report_print(stdout, &analysis);
-            pl_print_line(stderr, "speed against error is in %s/sweep.html", request->out);
-        }
+    pl_sweep_analyse(&results, &analysis);
+    if (is_sweep(&analysis)) {
+        need(m, pl_sweep_report_write(m->request->out, &analysis, &m->error));
+        pl_sweep_report_print(stdout, &analysis);
+        pl_print_line(stderr, "speed against error is in %s/sweep.html", m->request->out);
     }
     pl_sweep_analysis_free(&analysis);
     pl_result_table_free(&results);
-    return status;
 }
 
 /* The JSON of a comparison without a reference of its own (plumb.reference/1) next to the results;
@@ -132,137 +136,139 @@ static json_t *find_reference(const pl_request *request)
 {
     json_t *found = NULL;
     for (int i = 0; i < request->names.count && found == NULL; ++i) {
-        char path[4096];
-        snprintf(path, sizeof path, "%.4000s/reference.json", request->names.items[i]);
+        char *path = pl_heap_format("%s/reference.json", request->names.items[i]);
         found = json_load_file(path, 0, NULL);
+        free(path);
     }
     return found;
 }
 
 /* Writes the report of the results, or a picture, without those of changed scenes: only a sweep asks
  * whether its points hold on them. */
-static pl_status write_report(const options *o, const pl_merge *merge, pl_error *error)
+static void write_report(making *m)
 {
-    const pl_request *request = &o->request;
-    pl_result_table results;
-    pl_status status = build_table(request, merge, false, &results, error);
-    json_t *reference = find_reference(request);
-    const pl_report_def def = {.directory = request->out,
+    const options *o = m->o;
+    pl_result_table results = build_table(m, false);
+    json_t *reference = find_reference(m->request);
+    const pl_report_def def = {.directory = m->request->out,
                                .only = o->format == NULL ? NULL : o->format->file,
                                .reference = reference,
                                .results = &results,
-                               .folders = request->names.items,
-                               .folder_count = request->names.count};
+                               .folders = m->request->names.items,
+                               .folder_count = m->request->names.count};
     char *picture = NULL;
-    if (status == PL_OK) {
-        pl_result_table_print_left_out(&results, stderr);
-        status = o->figure != NULL && o->format != NULL
-                     ? pl_figure_write(&def, o->figure, o->format->picture, request->force,
-                                       &picture, error)
-                     : pl_report_write(&def, error);
-    }
-    if (picture != NULL && status == PL_OK) {
+    pl_result_table_print_left_out(&results, stderr);
+    if (o->figure == NULL) {
+        need(m, pl_report_write(&def, &m->error));
+    } else {
+        need(m, pl_figure_write(&def, o->figure, o->format->picture, m->request->force, &picture,
+                                &m->error));
         pl_print_line(stderr, "the picture is in %s", picture);
+        free(picture);
     }
-    free(picture);
     json_decref(reference);
     pl_result_table_free(&results);
-    return status;
 }
 
 /* Concludes every study that has runs among the results. */
-static pl_status conclude_studies(const pl_request *request, const pl_merge *merge, pl_error *error)
+static void conclude_studies(making *m)
 {
-    pl_status status = PL_OK;
     int count = 0;
     const pl_study *const *studies = pl_studies(&count);
-    for (int i = 0; i < count && status == PL_OK; ++i) {
-        const pl_result_table_def def = {.files = merge->sources,
-                                         .file_count = merge->source_count,
+    for (int i = 0; i < count; ++i) {
+        const pl_result_table_def def = {.files = m->merge.sources,
+                                         .file_count = m->merge.source_count,
                                          .study = studies[i]->name,
                                          .has_changes = true};
         json_t *own = NULL, *conclusion = NULL;
-        status = pl_results_that_count(&def, &own, error);
-        if (status == PL_OK && json_array_size(own) > 0) {
-            status = pl_study_deliver(request, studies[i], own, request->names.items[0],
-                                      &conclusion, error);
+        need(m, pl_results_that_count(&def, &own, &m->error));
+        if (json_array_size(own) > 0) {
+            need(m, pl_study_deliver(m->request, studies[i], own, m->request->names.items[0],
+                                     &conclusion, &m->error));
         }
         json_decref(conclusion);
         json_decref(own);
     }
-    return status;
 }
 
-/* The report of the runs that belong to no study. */
-static pl_status report_plain(const options *o, const pl_merge *merge, pl_error *error)
+static void say_counts(const making *m)
 {
-    json_t *plain = pl_results_of_study(merge->results, NULL);
-    pl_status status = PL_OK;
-    if (json_array_size(plain) > 0) {
-        status = write_report(o, merge, error);
-    }
-    if (status == PL_OK && json_array_size(plain) > 0) {
-        status = analyse(&o->request, merge, error);
-    }
-    json_decref(plain);
-    return status;
-}
-
-/* The store is held open while its file is replaced, so that nobody else is writing it. */
-static pl_status deliver(const options *o, const pl_merge *merge, pl_error *error)
-{
-    const pl_request *request = &o->request;
-    pl_store *store = NULL;
-    if (o->format != NULL) {
-        pl_status made = o->format->file == NULL
-                             ? PL_OK
-                             : check_file(request, is_read(request), o->format->file, error);
-        if (made == PL_OK) {
-            made = pl_make_directories(request->out, error);
-        }
-        return made == PL_OK ? write_report(o, merge, error) : made;
-    }
-    char *path = pl_heap_format("%s/results.jsonl", request->out);
-    pl_status status = pl_store_open(request->out, PL_STORE_RESUME, NULL, &store, error);
-    if (status == PL_OK) {
-        status = check_kept(merge, request->out, store, request->force, error);
-    }
-    if (status == PL_OK) {
-        status =
-            check_file(request, json_array_size(pl_store_results(store)) > 0, "index.html", error);
-    }
-    if (status == PL_OK) {
-        status = report_plain(o, merge, error);
-    }
-    if (status == PL_OK) {
-        status = conclude_studies(request, merge, error);
-    }
-    if (status == PL_OK) {
-        status = pl_merge_write(merge, path, error);
-    }
-    pl_store_close(store);
-    free(path);
-    return status;
-}
-
-static void say_counts(const pl_request *request, const pl_merge *merge)
-{
-    const size_t count = json_array_size(merge->results);
+    const size_t count = json_array_size(m->merge.results);
     pl_print_line(stderr, "%zu %s of %ld %s and the report are in %s/", count,
-                  count == 1 ? "result" : "results", merge->files,
-                  merge->files == 1 ? "file" : "files", request->out);
-    if (merge->doubles > 0) {
-        pl_print_line(stderr, "%ld %s dropped: the same runs", merge->doubles,
-                      merge->doubles == 1 ? "duplicate was" : "duplicates were");
+                  count == 1 ? "result" : "results", m->merge.files,
+                  m->merge.files == 1 ? "file" : "files", m->request->out);
+    if (m->merge.doubles > 0) {
+        pl_print_line(stderr, "%ld %s dropped: the same runs", m->merge.doubles,
+                      m->merge.doubles == 1 ? "duplicate was" : "duplicates were");
     }
-    if (merge->differing > 0) {
+    if (m->merge.differing > 0) {
         pl_print_line(
             stderr,
             "plumb report: warning: %ld of them differ in their outcome or in metrics that "
             "should be the same at every run; the first that was read is kept",
-            merge->differing);
+            m->merge.differing);
     }
 }
+
+/* Writes all files: the report of the runs that belong to no study, the studies, and the results. The store is held
+ * open while its file is replaced, so that nobody else is writing it. */
+static void deliver_all(making *m)
+{
+    pl_store *store = NULL;
+    json_t *plain = pl_results_of_study(m->merge.results, NULL);
+    char *path = pl_heap_format("%s/results.jsonl", m->request->out);
+    need(m, pl_store_open(m->request->out, PL_STORE_RESUME, NULL, &store, &m->error));
+    check_kept(m, store);
+    check_file(m, json_array_size(pl_store_results(store)) > 0, "index.html");
+    if (json_array_size(plain) > 0) {
+        write_report(m);
+        analyse(m);
+    }
+    conclude_studies(m);
+    need(m, pl_merge_write(&m->merge, path, &m->error));
+    say_counts(m);
+    pl_store_close(store);
+    json_decref(plain);
+    free(path);
+}
+
+/* Writes the one file that --format or --figure names. */
+static void deliver_one(making *m)
+{
+    if (m->o->format->file != NULL) {
+        check_file(m, is_read(m->request), m->o->format->file);
+    }
+    need(m, pl_make_directories(m->request->out, &m->error));
+    write_report(m);
+}
+
+/* ---- The page of a study ---- */
+
+/* Writes the page where the only name is the JSON of a study, and returns whether it is. */
+static bool deliver_study(making *m)
+{
+    char kind[PL_STUDY_KIND_SIZE];
+    json_t *study = NULL;
+    pl_error unused = {.message = ""};
+    if (m->request->names.count != 1 ||
+        pl_study_read(m->request->names.items[0], &study, kind, &unused) != PL_OK) {
+        return false;
+    }
+    const char *out = m->request->out;
+    const pl_study *known = pl_study_find(kind);
+    const char *name = known != NULL ? known->name : kind;
+    char *page = pl_heap_format("%s.html", name);
+    check_file(m, false, page);
+    need(m, pl_make_directories(out, &m->error));
+    need(m, known != NULL ? pl_study_write_page(out, known, study, &m->error)
+                          : pl_study_page_write(out, kind, kind, study, &m->error));
+    pl_print_line(stderr, "the page is in %s/%s", out, page);
+    free(page);
+    json_decref(study);
+    return true;
+}
+
+/* ---- The command ---- */
 
 static pl_status check(void *user, pl_error *error)
 {
@@ -291,66 +297,27 @@ static pl_status check(void *user, pl_error *error)
     return pl_request_check(&o->request, "name a file or folder of results", NULL, error);
 }
 
-/* Whether the only name is the JSON of a study; its page is then written. */
-static bool is_study(const pl_request *request, pl_status *status, pl_error *error)
-{
-    char kind[PL_STUDY_KIND_SIZE];
-    json_t *study = NULL;
-    pl_error unused = {.message = ""};
-    if (request->names.count != 1 ||
-        pl_study_read(request->names.items[0], &study, kind, &unused) != PL_OK) {
-        return false;
-    }
-    char page[PL_STUDY_KIND_SIZE + 8];
-    const pl_study *known = pl_study_find(kind);
-    const char *name = known != NULL ? known->name : kind;
-    snprintf(page, sizeof page, "%s.html", name);
-    *status = check_file(request, false, page, error);
-    if (*status == PL_OK) {
-        *status = pl_make_directories(request->out, error);
-    }
-    if (*status == PL_OK) {
-        *status = known != NULL ? pl_study_write_page(request->out, known, study, error)
-                                : pl_study_page_write(request->out, kind, kind, study, error);
-    }
-    if (*status == PL_OK) {
-        pl_print_line(stderr, "the page is in %s/%s.html", request->out, name);
-    }
-    json_decref(study);
-    return true;
-}
-
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
     o.request.out = "report";
     pl_call_parse(call, &o);
-    pl_request request = o.request;
-    pl_error error = {.message = ""};
-    pl_merge merge;
+    making m = {.call = call, .o = &o, .request = &o.request, .merge = pl_merge_begin()};
     int code = PL_EXIT_OK;
-    pl_status status = PL_OK;
-    if (is_study(&request, &status, &error)) {
-        pl_request_free(&request);
-        return status == PL_OK ? code : pl_call_fail(call, &error);
+    if (!deliver_study(&m)) {
+        for (int i = 0; i < o.request.names.count; ++i) {
+            need(&m, pl_merge_add(&m.merge, o.request.names.items[i], stderr, &m.error));
+        }
+        if (json_array_size(m.merge.results) == 0) {
+            code = pl_call_nothing(call, "there are no results");
+        } else if (o.format != NULL) {
+            deliver_one(&m);
+        } else {
+            deliver_all(&m);
+        }
     }
-    merge = pl_merge_begin();
-    for (int i = 0; i < request.names.count && status == PL_OK; ++i) {
-        status = pl_merge_add(&merge, request.names.items[i], stderr, &error);
-    }
-    const bool empty = status == PL_OK && json_array_size(merge.results) == 0;
-    if (status == PL_OK && !empty) {
-        status = deliver(&o, &merge, &error);
-    }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (empty) {
-        code = pl_call_nothing(call, "there are no results");
-    } else if (o.format == NULL) {
-        say_counts(&request, &merge);
-    }
-    pl_merge_free(&merge);
-    pl_request_free(&request);
+    pl_merge_free(&m.merge);
+    pl_request_free(&o.request);
     return code;
 }
 

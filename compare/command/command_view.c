@@ -46,15 +46,13 @@ static int run(const pl_call *call)
     pl_error error = {.message = ""};
     char *path = NULL;
     pl_call_parse(call, &request);
-    pl_status status =
-        find_page(request.names.count == 0 ? "report" : request.names.items[0], &path, &error);
-    if (status == PL_OK) {
-        printf("%s\n", path);
-        status = pl_open_page(path, &error);
-    }
+    const char *name = request.names.count == 0 ? "report" : request.names.items[0];
+    pl_call_check(call, find_page(name, &path, &error), &error);
+    printf("%s\n", path);
+    pl_call_check(call, pl_open_page(path, &error), &error);
     free(path);
     pl_request_free(&request);
-    return status == PL_OK ? PL_EXIT_OK : pl_call_fail(call, &error);
+    return PL_EXIT_OK;
 }
 
 const pl_command pl_command_view = {

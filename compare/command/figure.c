@@ -4,7 +4,7 @@
 #include "base/heap.h"
 #include "base/number.h"
 #include "command.h"
-#include "report/summary.h"
+#include "report/report.h"
 #include "results/store.h"
 
 #include <errno.h>

@@ -101,7 +101,7 @@ void pl_conformance_text(const pl_result_table *results, int configuration, pl_t
     }
 }
 
-/* ---- The statement ---- */
+/* ---- In words ---- */
 
 /* Adds the names of the kinds in `bits`: "a, b and c". */
 static void add_kinds(unsigned bits, pl_text_buffer *out)
@@ -117,74 +117,22 @@ static void add_kinds(unsigned bits, pl_text_buffer *out)
     }
 }
 
-static bool reads_the_same(const trust *a, const trust *b)
+static void say_read_back(const trust *t, pl_text_buffer *out)
 {
-    return a->read_back == b->read_back;
-}
-
-static bool is_as_verified(const trust *a, const trust *b)
-{
-    return a->state == b->state && a->checks == b->checks && a->failed == b->failed &&
-           strcmp(a->plumb, b->plumb) == 0;
-}
-
-/* The configurations of a statement. */
-typedef struct trusted {
-    const pl_result_table *results;
-    const bool *listed; /* (configuration_count) */
-    const trust *items; /* (configuration_count) */
-} trusted;
-
-/* Adds the names of the listed configurations from `first` on that are like it; "" when an earlier one is,
- * which then was named with it. */
-static bool add_names(const trusted *of, int first, bool (*is_like)(const trust *a, const trust *b),
-                      pl_text_buffer *out)
-{
-    for (int i = 0; i < first; ++i) {
-        if (of->listed[i] && is_like(&of->items[i], &of->items[first])) {
-            return false;
-        }
-    }
-    for (int i = first; i < of->results->configuration_count; ++i) {
-        if (of->listed[i] && is_like(&of->items[i], &of->items[first])) {
-            const pl_result_configuration *configuration = &of->results->configurations[i];
-            const char *before = i > first ? ", " : out->length > 0 ? " " : "";
-            pl_text_format(out, "%s%s %s", before, configuration->name, configuration->version);
-        }
-    }
-    pl_text_add(out, ": ");
-    return true;
-}
-
-static void add_read_back(const trusted *of, int configuration, pl_text_buffer *out)
-{
-    const unsigned all = (1u << PL_READ_BACK_COUNT) - 1;
-    const unsigned found = of->items[configuration].read_back;
-    if (!add_names(of, configuration, reads_the_same, out)) {
+    const unsigned left_out = ((1u << PL_READ_BACK_COUNT) - 1) & ~t->read_back;
+    if (t->read_back == 0) {
+        pl_text_add(out, "nothing was read back");
         return;
     }
-    if (found == 0) {
-        pl_text_add(out, "nothing was read back.");
-        return;
-    }
-    add_kinds(found, out);
-    pl_text_add(out, " agreed");
-    if (found != all) {
-        pl_text_add(out, "; not read back: ");
-        add_kinds(all & ~found, out);
-    }
-    pl_text_add(out, ".");
+    add_kinds(t->read_back, out);
+    pl_text_add(out, left_out == 0 ? " agreed" : " agreed; not read back: ");
+    add_kinds(left_out, out);
 }
 
-static void add_verified(const trusted *of, int configuration, pl_text_buffer *out)
+static void say_verified(const trust *t, pl_text_buffer *out)
 {
-    const trust *t = &of->items[configuration];
-    if (!add_names(of, configuration, is_as_verified, out)) {
-        return;
-    }
     if (t->state == PASSED) {
-        pl_text_format(out, "conformance passed with plumb %.40s (%d checks).", t->plumb,
-                       t->checks);
+        pl_text_format(out, "conformance passed with plumb %.40s (%d checks)", t->plumb, t->checks);
         return;
     }
     if (t->state == FAILED) {
@@ -193,41 +141,66 @@ static void add_verified(const trusted *of, int configuration, pl_text_buffer *o
         pl_text_add(out, "not verified");
     }
     pl_text_add(out, "; a deviation may be the adapter's: run plumb check-engine");
-    for (int i = configuration; i < of->results->configuration_count; ++i) {
-        if (of->listed[i] && is_as_verified(&of->items[i], t)) {
-            pl_text_add(out, " ");
-            add_spec(&of->items[i], out);
+}
+
+/* Adds what is said of a configuration and of all later ones of which the same is said, and frees it; with the SPECs of
+ * those that did not pass if asked. */
+static void add_group(const pl_result_table *results, char **said, int first, bool has_specs,
+                      pl_text_buffer *out)
+{
+    char *words = said[first];
+    pl_text_buffer specs = {0};
+    for (int i = first; i < results->configuration_count; ++i) {
+        if (said[i] == NULL || strcmp(said[i], words) != 0) {
+            continue;
         }
+        const trust t = trust_of(results, i);
+        pl_text_format(out, "%s%s %s",
+                       i > first         ? ", "
+                       : out->length > 0 ? " "
+                                         : "",
+                       results->configurations[i].name, results->configurations[i].version);
+        if (has_specs && t.state != PASSED) {
+            pl_text_add(&specs, " ");
+            add_spec(&t, &specs);
+        }
+        free(i > first ? said[i] : NULL);
+        said[i] = NULL;
     }
-    pl_text_add(out, ".");
+    pl_text_format(out, ": %s%s.", words, specs.length > 0 ? specs.data : "");
+    pl_text_free(&specs);
+    free(words);
 }
 
 /* Adds a sentence for each group of listed configurations that are alike. */
 static void add_sentences(const pl_result_table *results, const bool *listed,
-                          void (*add)(const trusted *of, int configuration, pl_text_buffer *out),
+                          void (*say)(const trust *t, pl_text_buffer *out), bool has_specs,
                           pl_text_buffer *out)
 {
-    trust *items = pl_heap_new((size_t)results->configuration_count, sizeof *items);
-    const trusted of = {results, listed, items};
-    for (int i = 0; i < results->configuration_count; ++i) {
-        items[i] = trust_of(results, i);
-    }
+    char **said = pl_heap_new((size_t)results->configuration_count, sizeof *said);
     for (int i = 0; i < results->configuration_count; ++i) {
         if (listed[i]) {
-            add(&of, i, out);
+            pl_text_buffer words = {0};
+            const trust t = trust_of(results, i);
+            say(&t, &words);
+            said[i] = pl_text_take(&words);
         }
     }
-    free(items);
+    for (int i = 0; i < results->configuration_count; ++i) {
+        if (said[i] != NULL) {
+            add_group(results, said, i, has_specs, out);
+        }
+    }
+    free(said);
 }
 
-void pl_verified_statement(const pl_result_table *results, const bool *listed, pl_text_buffer *out)
+void pl_describe_adapters(const pl_result_table *results, const bool *listed, pl_document *document)
 {
-    add_sentences(results, listed, add_verified, out);
-}
-
-void pl_read_back_statement(const pl_result_table *results, const bool *listed, pl_text_buffer *out)
-{
-    pl_text_add(out, "Before the first step of a run, what the engine reads back was compared with "
-                     "the scene.");
-    add_sentences(results, listed, add_read_back, out);
+    pl_text_buffer words = {0};
+    add_sentences(results, listed, say_verified, true, &words);
+    pl_document_words(document, &words);
+    pl_text_add(&words, "Before the first step of a run, what the engine reads back was compared "
+                        "with the scene.");
+    add_sentences(results, listed, say_read_back, false, &words);
+    pl_document_words(document, &words);
 }

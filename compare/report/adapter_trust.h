@@ -3,6 +3,7 @@
 #ifndef PLUMB_ADAPTER_TRUST_H
 #define PLUMB_ADAPTER_TRUST_H
 
+#include "base/document.h"
 #include "queries.h"
 
 /* Adds what is known of a configuration's conformance: "conformance passed (31 checks, plumb 0.9.0)",
@@ -12,11 +13,8 @@
 void pl_conformance_text(const pl_result_table *results, int configuration, pl_text_buffer *out);
 
 /* Adds, in words, whether the conformance of the configurations that are marked in `listed` (configuration_count)
- * was verified. */
-void pl_verified_statement(const pl_result_table *results, const bool *listed, pl_text_buffer *out);
-
-/* Adds, in words, which numbers were read back from their engines, and which were not. */
-void pl_read_back_statement(const pl_result_table *results, const bool *listed,
-                            pl_text_buffer *out);
+ * was verified, and which numbers were read back from their engines. */
+void pl_describe_adapters(const pl_result_table *results, const bool *listed,
+                          pl_document *document);
 
 #endif

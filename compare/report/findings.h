@@ -2,50 +2,44 @@
 #ifndef PLUMB_FINDINGS_H
 #define PLUMB_FINDINGS_H
 
+#include "base/document.h"
 #include "known_causes.h"
 #include "queries.h"
 
 /* A run that is not accurate: it is inaccurate or failed, or its primary error has no value. A scene
  * that the engine does not support is no finding. */
 typedef struct pl_engine_finding {
-    const pl_result_case *test_case;
-    const pl_result_configuration *configuration;
-    const pl_result_cell *cell;  /* of the configuration on the case */
-    const pl_known_cause *cause; /* NULL: nothing is known of this run */
+    const pl_result_cell *cell;
+    const json_t *cause; /* of known_causes.json; NULL: nothing is known of this run */
 } pl_engine_finding;
 
-/* All findings of a report. */
+/* The findings about the home engine, or about the others. */
 typedef struct pl_engine_findings {
-    pl_engine_finding *
-        items; /* of engines other than the home engine, case by case, in the order of the report */
+    pl_engine_finding *items; /* (count), case by case, in the order of the report */
     int count;
-    int runs;                 /* of them that were judged, or have no value */
-    pl_text_buffer statement; /* in words: how many of how many, and how many causes are known */
-    pl_engine_finding *home;  /* the same of the home engine */
-    int home_count, home_runs;
-    pl_text_buffer home_statement;
-    /* In words, of the engines in `items`; empty without any. */
-    pl_text_buffer adapters;  /* whether their conformance was verified */
-    pl_text_buffer read_back; /* what was read back from them */
-    pl_text_buffer origin;    /* how the causes were found */
-    pl_known_causes causes;
+    int runs; /* of them that were judged, or have no value */
 } pl_engine_findings;
 
-/* Finds the findings in results, which must outlive *findings. PL_BAD_INPUT: the file of known causes is
- * malformed. The caller frees *findings, also on failure. */
-pl_status pl_engine_findings_find(const pl_result_table *results, pl_engine_findings *findings,
-                                  pl_error *error);
+/* All findings of a report. */
+typedef struct pl_all_findings {
+    const pl_result_table *results; /* borrowed */
+    pl_engine_findings home, others;
+    json_t *causes; /* owned */
+} pl_all_findings;
+
+/* Finds the findings in results, which must outlive *findings. The caller frees *findings. */
+void pl_findings_find(const pl_result_table *results, pl_all_findings *findings);
 
 /* Frees the findings. */
-void pl_engine_findings_free(pl_engine_findings *findings);
+void pl_findings_free(pl_all_findings *findings);
 
-/* The size of the error text of a finding, in bytes. */
-enum { PL_FINDING_TEXT_SIZE = 256 };
+/* Adds how many runs of the home engine (`home`), or of the others, are not accurate, and a table of them, in which
+ * `shown` rows are shown at first (0: all). `is_short`: without experiments and reasons. Nothing where no run was
+ * judged. */
+void pl_findings_describe(const pl_all_findings *findings, bool home, int shown, bool is_short,
+                          pl_document *document);
 
-/* Writes the texts of a finding, the same in every format: "inaccurate, 74 % (value_error)" or
- * "failed: collapsed, 0.764 m (rest_position_error)". `cause` and `evidence` are borrowed and never
- * empty. */
-void pl_engine_finding_texts(const pl_engine_finding *finding, char error[PL_FINDING_TEXT_SIZE],
-                             const char **cause, const char **evidence);
+/* Adds what is known of the adapters of the other engines that have a finding, and how causes were found. */
+void pl_findings_describe_adapters(const pl_all_findings *findings, pl_document *document);
 
 #endif

@@ -208,39 +208,120 @@ static int compare_losses(const void *left, const void *right)
     return (a->home > b->home) - (a->home < b->home);
 }
 
-static void write_statement(const pl_losses *losses, const pl_result_table *results,
-                            pl_text_buffer *text)
+void pl_losses_find(const pl_result_table *results, pl_losses *losses)
 {
-    if (!losses->others_present) {
-        pl_text_add(text, "Nothing was compared: these results hold no other engine.");
-        return;
+    *losses = (pl_losses){.results = results};
+    for (int i = 0; i < results->case_count; ++i) {
+        compare_case(results, &results->cases[i], losses);
     }
-    if (losses->comparisons == 0) {
-        pl_text_format(text,
-                       "Nothing was compared: there is no case that %s was run on and that "
-                       "another engine ended with outcome ok.",
-                       results->home);
-        return;
+    if (losses->count > 0) {
+        qsort(losses->items, (size_t)losses->count, sizeof *losses->items, compare_losses);
     }
-    if (losses->count == 0) {
-        pl_text_format(text,
-                       "No losses: in none of %d comparisons is %s worse than the best other "
-                       "engine",
-                       losses->comparisons, results->home);
-    } else {
-        pl_text_format(text, "%s is worse than the best other engine in %d of %d comparisons",
-                       results->home, losses->count, losses->comparisons);
-    }
-    pl_text_format(text, ", over %d %s: ", losses->cases, losses->cases == 1 ? "case" : "cases");
-    pl_add_engine_names(results, true, text);
-    pl_text_add(text, " against the best of ");
-    pl_add_engine_names(results, false, text);
-    pl_text_add(text, ".");
 }
 
-static void write_rule(pl_text_buffer *text)
+void pl_losses_free(pl_losses *losses)
 {
-    pl_text_add(text,
+    free(losses->items);
+    *losses = (pl_losses){0};
+}
+
+/* ---- In words ---- */
+
+static bool has_others(const pl_result_table *results)
+{
+    for (int i = 0; i < results->configuration_count; ++i) {
+        if (!results->configurations[i].is_home) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void add_statement(const pl_losses *losses, pl_document *document)
+{
+    const char *home = losses->results->home;
+    if (losses->comparisons == 0) {
+        pl_document_paragraph(document,
+                              has_others(losses->results)
+                                  ? "Nothing was compared: there is no case that %s was run on and "
+                                    "that another engine ended with outcome ok."
+                                  : "Nothing was compared: these results hold no engine but %s.",
+                              home);
+        return;
+    }
+    char *own = pl_engine_names(losses->results, true);
+    char *others = pl_engine_names(losses->results, false);
+    char *count = losses->count == 0
+                      ? pl_heap_format("No losses: in none of %d comparisons is %s worse than the "
+                                       "best other engine",
+                                       losses->comparisons, home)
+                      : pl_heap_format("%s is worse than the best other engine in %d of %d "
+                                       "comparisons",
+                                       home, losses->count, losses->comparisons);
+    pl_document_paragraph(document, "%s, over %d %s: %s against the best of %s.", count,
+                          losses->cases, losses->cases == 1 ? "case" : "cases", own, others);
+    free(count);
+    free(own);
+    free(others);
+}
+
+/* Adds an engine and its value, which says so where another engine's run is inaccurate. */
+static void add_value(const pl_result_configuration *configuration, const pl_result_cell *cell,
+                      const pl_loss *loss, bool is_home, pl_table *table)
+{
+    char text[PL_METRIC_TEXT_SIZE];
+    const bool is_inaccurate = !is_home && cell->worst->verdict == PL_VERDICT_INACCURATE;
+    const pl_metric_summary value = pl_result_cell_metric(cell, loss->metric);
+    pl_metric_text(&value, text);
+    pl_table_add(table, configuration->name);
+    if (loss->kind == PL_LOSS_OUTCOME) {
+        pl_table_add(table, pl_outcome_name(cell->worst->outcome));
+    } else {
+        pl_table_format_cell(table, "%s%s", text, is_inaccurate ? " (inaccurate)" : "");
+    }
+}
+
+static void add_row(const pl_loss *loss, pl_table *table)
+{
+    const char *primary = loss->home_cell->worst->primary_error;
+    const bool is_primary = loss->metric == PL_METRIC_REFERENCE_ERROR && primary[0] != '\0';
+    char ratio[PL_QUANTITY_SIZE];
+    pl_table_add(table, loss->test_case->name);
+    if (loss->kind == PL_LOSS_OUTCOME) {
+        pl_table_add(table, "outcome");
+    } else {
+        pl_table_format_cell(table, "%s%s%s%s", pl_metric_table[loss->metric].name,
+                             is_primary ? " (" : "", is_primary ? primary : "",
+                             is_primary ? ")" : "");
+    }
+    add_value(loss->home, loss->home_cell, loss, true, table);
+    add_value(loss->best, loss->best_cell, loss, false, table);
+    pl_format_ratio(loss->ratio, ratio);
+    pl_table_add(table, loss->near_rounding           ? "both near rounding"
+                        : loss->kind == PL_LOSS_VALUE ? ratio
+                                                      : pl_no_number);
+    pl_table_style(table, "bad");
+}
+
+void pl_losses_describe(const pl_losses *losses, int shown, pl_document *document)
+{
+    pl_table table = {.last = shown};
+    if (losses->results->home == NULL) {
+        return;
+    }
+    pl_table_columns(&table, "case|metric|home|>value|best other|>value|>ratio");
+    for (int i = 0; i < losses->count; ++i) {
+        add_row(&losses->items[i], &table);
+    }
+    pl_document_heading(document, "Where %s loses", losses->results->home);
+    add_statement(losses, document);
+    pl_document_table(document, "Comparisons that the home engine loses", &table);
+}
+
+void pl_losses_describe_rule(pl_document *document)
+{
+    pl_text_buffer text = {0};
+    pl_text_add(&text,
                 "Compared, metric by metric and lower is better, with the best run of another "
                 "engine whose outcome is ok: ");
     const char *separator = "";
@@ -248,11 +329,11 @@ static void write_rule(pl_text_buffer *text)
         if (!pl_metric_is(id, PL_TRAIT_COMPARED)) {
             continue;
         }
-        pl_text_format(text, "%s%s", separator, pl_metric_table[id].name);
+        pl_text_format(&text, "%s%s", separator, pl_metric_table[id].name);
         separator = ", ";
     }
     pl_text_add(
-        text,
+        &text,
         ". Iterations and residuals are left out: they mean different things to different solvers. "
         "Of the times, those of a step are compared. A difference below noise is no loss. A value "
         "below its floor counts as the "
@@ -266,62 +347,5 @@ static void write_rule(pl_text_buffer *text)
         "time of a step, then other metrics, each by the ratio; last those of which both values "
         "are "
         "below 1e-7, near rounding and the tolerances of solvers.");
-}
-
-void pl_losses_find(const pl_result_table *results, pl_losses *losses)
-{
-    *losses = (pl_losses){0};
-    for (int i = 0; i < results->configuration_count; ++i) {
-        losses->others_present |= !results->configurations[i].is_home;
-    }
-    for (int i = 0; i < results->case_count; ++i) {
-        compare_case(results, &results->cases[i], losses);
-    }
-    if (losses->count > 0) {
-        qsort(losses->items, (size_t)losses->count, sizeof *losses->items, compare_losses);
-    }
-    if (results->home != NULL) {
-        write_statement(losses, results, &losses->statement);
-    }
-    write_rule(&losses->rule);
-}
-
-void pl_losses_free(pl_losses *losses)
-{
-    free(losses->items);
-    pl_text_free(&losses->statement);
-    pl_text_free(&losses->rule);
-    *losses = (pl_losses){0};
-}
-
-void pl_loss_texts(const pl_loss *loss, char metric[PL_LOSS_TEXT_SIZE],
-                   char home[PL_LOSS_TEXT_SIZE], char best[PL_LOSS_TEXT_SIZE],
-                   char ratio[PL_LOSS_TEXT_SIZE])
-{
-    const pl_result_row *own = loss->home_cell->worst, *other = loss->best_cell->worst;
-    const bool primary = loss->metric == PL_METRIC_REFERENCE_ERROR && own->primary_error[0] != '\0';
-    if (loss->kind == PL_LOSS_OUTCOME) {
-        snprintf(metric, PL_LOSS_TEXT_SIZE, "outcome");
-        snprintf(home, PL_LOSS_TEXT_SIZE, "%s", pl_outcome_name(own->outcome));
-        snprintf(best, PL_LOSS_TEXT_SIZE, "%s", pl_outcome_name(other->outcome));
-        snprintf(ratio, PL_LOSS_TEXT_SIZE, "%s", pl_no_number);
-        return;
-    }
-    const pl_metric_summary value = pl_result_cell_metric(loss->home_cell, loss->metric);
-    const pl_metric_summary best_value = pl_result_cell_metric(loss->best_cell, loss->metric);
-    snprintf(metric, PL_LOSS_TEXT_SIZE, "%s%s%.100s%s", pl_metric_table[loss->metric].name,
-             primary ? " (" : "", primary ? own->primary_error : "", primary ? ")" : "");
-    pl_metric_text(&value, home);
-    pl_metric_text(&best_value, best);
-    if (other->verdict == PL_VERDICT_INACCURATE) {
-        const size_t used = strlen(best);
-        snprintf(best + used, PL_LOSS_TEXT_SIZE - used, " (inaccurate)");
-    }
-    if (loss->near_rounding) {
-        snprintf(ratio, PL_LOSS_TEXT_SIZE, "both near rounding");
-    } else if (loss->kind == PL_LOSS_VALUE) {
-        pl_format_ratio(loss->ratio, ratio);
-    } else {
-        snprintf(ratio, PL_LOSS_TEXT_SIZE, "%s", pl_no_number);
-    }
+    pl_document_words(document, &text);
 }

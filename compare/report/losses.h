@@ -2,7 +2,7 @@
 #ifndef PLUMB_LOSSES_H
 #define PLUMB_LOSSES_H
 
-#include "base/text_buffer.h"
+#include "base/document.h"
 #include "queries.h"
 
 /* The kinds of loss. */
@@ -25,14 +25,12 @@ typedef struct pl_loss {
 
 /* All losses of a report. */
 typedef struct pl_losses {
+    const pl_result_table *results; /* borrowed */
     pl_loss *items; /* failures; the primary error and the time of a step; other metrics; values
                        near rounding; in each a missing value first, then by falling ratio */
     int count;
     int comparisons; /* pairs of its run and a metric that were compared with another engine */
     int cases;       /* with both a run of it and an ok run of another engine */
-    bool others_present;
-    pl_text_buffer statement; /* in words: how many losses in how many comparisons */
-    pl_text_buffer rule;      /* in words: which metrics count, and which differences do not */
 } pl_losses;
 
 /* Finds the losses in results, which must outlive *losses. The caller frees *losses. */
@@ -41,13 +39,11 @@ void pl_losses_find(const pl_result_table *results, pl_losses *losses);
 /* Frees the losses. */
 void pl_losses_free(pl_losses *losses);
 
-/* The size of each text of a loss, in bytes. */
-enum { PL_LOSS_TEXT_SIZE = 192 };
+/* Adds where the home engine loses: how many losses in how many comparisons, and a table of them. Nothing without a
+ * home engine. */
+void pl_losses_describe(const pl_losses *losses, int shown, pl_document *document);
 
-/* Writes the texts of a loss, the same in every format. The other engine's value says so where its
- * run is inaccurate. */
-void pl_loss_texts(const pl_loss *loss, char metric[PL_LOSS_TEXT_SIZE],
-                   char home[PL_LOSS_TEXT_SIZE], char best[PL_LOSS_TEXT_SIZE],
-                   char ratio[PL_LOSS_TEXT_SIZE]);
+/* Adds in words which metrics count, and which differences do not. */
+void pl_losses_describe_rule(pl_document *document);
 
 #endif

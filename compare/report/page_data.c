@@ -1,14 +1,14 @@
 #include "page_data.h"
 
-#include "adapter_trust.h"
+#include "base/heap.h"
 #include "base/number_format.h"
 #include "base/program_name.h"
 #include "case_scene.h"
-#include "cell_verdict.h"
 #include "results/result.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The file of words, which compare/CMakeLists.txt builds into the program. */
@@ -29,56 +29,29 @@ static void set_text(json_t *object, const char *key, const char *text)
     }
 }
 
-/* Sets the text of a buffer, and frees it. */
-static void set_buffer(json_t *object, const char *key, pl_text_buffer *text)
-{
-    set_text(object, key, text->data);
-    pl_text_free(text);
-}
-
 /* ---- What does not belong to one case ---- */
 
-/* Adds a text to a sorted array, if it is not there yet. */
-static void add_once(json_t *array, const char *text)
-{
-    json_t *added = pl_json_text(text);
-    size_t place = 0;
-    int order = -1;
-    while (place < json_array_size(array) &&
-           (order = strcmp(json_string_value(json_array_get(array, place)),
-                           json_string_value(added))) < 0) {
-        ++place;
-    }
-    if (place == json_array_size(array) || order != 0) {
-        json_array_insert_new(array, place, added);
-    } else {
-        json_decref(added);
-    }
-}
-
-/* Where and when the results were made: each value once. */
+/* Where and when the results were made: each value is the key of an object. */
 static json_t *provenance_json(const pl_result_table *results)
 {
     static const char *const facts[][3] = {
         {"Processor", "host", "cpu"},     {"System", "host", "os"},
         {"Compiler", "host", "compiler"}, {"Flags", "host", "flags"},
         {"Plumb", PL_PROGRAM, "version"}, {"Commit", PL_PROGRAM, "git"}};
-    json_t *object = json_object();
     const char *first = "", *last = "";
+    json_t *object = json_object();
     for (size_t k = 0; k < sizeof facts / sizeof facts[0]; ++k) {
-        json_object_set_new(object, facts[k][0], json_array());
+        json_t *seen = json_object();
+        for (int i = 0; i < results->row_count; ++i) {
+            json_object_set_new(seen,
+                                pl_result_text(results->rows[i].result, facts[k][1], facts[k][2]),
+                                json_true());
+        }
+        json_object_set_new(object, facts[k][0], seen);
     }
     for (int i = 0; i < results->row_count; ++i) {
-        const json_t *result = results->rows[i].result;
-        const char *started = pl_json_get_text(result, "started");
-        for (size_t k = 0; k < sizeof facts / sizeof facts[0]; ++k) {
-            const char *value = pl_result_text(result, facts[k][1], facts[k][2]);
-            json_t *seen = json_object_get(object, facts[k][0]);
-            if (value[0] != '\0') {
-                add_once(seen, value);
-            }
-        }
-        first = started[0] != '\0' && (first[0] == '\0' || strcmp(started, first) < 0) ? started
+        const char *started = pl_json_get_text(results->rows[i].result, "started");
+        first = first[0] == '\0' || (started[0] != '\0' && strcmp(started, first) < 0) ? started
                                                                                        : first;
         last = strcmp(started, last) > 0 ? started : last;
     }
@@ -101,98 +74,29 @@ static json_t *command_json(const pl_result_table *results)
     return text;
 }
 
-/* The engine configurations in the report's order, with the counts of their verdicts. */
-static json_t *engines_json(const pl_report *report)
+/* The engine configurations in the report's order. */
+static json_t *engines_json(const pl_result_table *results)
 {
     json_t *array = json_array();
-    for (int i = 0; i < report->results->configuration_count; ++i) {
-        const pl_result_configuration *configuration = &report->results->configurations[i];
-        json_t *object = json_object();
-        pl_text_buffer settings = {0}, known = {0};
-        pl_add_settings(report->results, i, &settings);
-        pl_conformance_text(report->results, i, &known);
+    for (int i = 0; i < results->configuration_count; ++i) {
+        const pl_result_configuration *configuration = &results->configurations[i];
+        json_t *object = json_pack("{s:i}", "threads", configuration->threads);
         set_text(object, "name", configuration->name);
         set_text(object, "engine", configuration->engine);
-        set_text(object, "version", configuration->version);
         set_text(object, "runtime", configuration->runtime);
-        json_object_set_new(object, "threads", json_integer(configuration->threads));
-        set_buffer(object, "settings", &settings);
-        set_buffer(object, "conformance", &known);
-        json_object_set_new(object, "home", json_boolean(configuration->is_home));
-        for (int k = 0; k < report->verdicts.count; ++k) {
-            const pl_verdict_count *count = &report->verdicts.items[k];
-            if (count->configuration == configuration) {
-                json_object_set_new(object, "counts",
-                                    json_pack("{s:i, s:i, s:i, s:i, s:i, s:i}", "accurate",
-                                              count->runs[PL_VERDICT_ACCURATE], "inaccurate",
-                                              count->runs[PL_VERDICT_INACCURATE], "failed",
-                                              count->runs[PL_VERDICT_FAILED], "unsupported",
-                                              count->unsupported, "not judged",
-                                              count->runs[PL_VERDICT_UNJUDGED], "not run",
-                                              count->not_run));
-                json_object_set_new(object, "rank", json_integer(k));
-            }
-        }
         json_array_append_new(array, object);
     }
     return array;
 }
 
-static json_t *losses_json(const pl_report *report)
+/* What the page does not draw in its own way. */
+static json_t *document_json(const pl_report *report)
 {
-    const pl_losses *losses = &report->losses;
-    json_t *rows = json_array();
-    for (int i = 0; i < losses->count; ++i) {
-        const pl_loss *loss = &losses->items[i];
-        char metric[PL_LOSS_TEXT_SIZE], home[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
-        char ratio[PL_LOSS_TEXT_SIZE];
-        pl_loss_texts(loss, metric, home, best, ratio);
-        json_array_append_new(rows, json_pack("[i, s, o, s, o, s, s]",
-                                              (int)(loss->test_case - report->results->cases),
-                                              metric, text_or_null(loss->home->name), home,
-                                              text_or_null(loss->best->name), best, ratio));
-    }
-    return json_pack("{s:o, s:o, s:o, s:o}", "home", text_or_null(report->results->home),
-                     "statement", text_or_null(losses->statement.data), "rule",
-                     text_or_null(losses->rule.data), "rows", rows);
-}
-
-static json_t *finding_rows(const pl_report *report, const pl_engine_finding *items, int count,
-                            bool is_home)
-{
-    json_t *rows = json_array();
-    for (int i = 0; i < count; ++i) {
-        char error[PL_FINDING_TEXT_SIZE];
-        const char *cause = NULL, *evidence = NULL;
-        pl_engine_finding_texts(&items[i], error, &cause, &evidence);
-        json_array_append_new(
-            rows,
-            json_pack("[i, o, o, o, o, o]", (int)(items[i].test_case - report->results->cases),
-                      text_or_null(items[i].configuration->name), text_or_null(error),
-                      text_or_null(is_home ? pl_cell_why(items[i].cell) : ""), text_or_null(cause),
-                      text_or_null(evidence)));
-    }
-    return rows;
-}
-
-static json_t *findings_json(const pl_report *report)
-{
-    const pl_engine_findings *findings = &report->findings;
-    json_t *object = json_object();
-    if (findings->runs > 0) {
-        set_text(object, "statement", findings->statement.data);
-        set_text(object, "adapters", findings->adapters.data);
-        set_text(object, "read_back", findings->read_back.data);
-        set_text(object, "origin", findings->origin.data);
-    }
-    if (findings->home_runs > 0) {
-        set_text(object, "home_statement", findings->home_statement.data);
-    }
-    json_object_set_new(object, "rows",
-                        finding_rows(report, findings->items, findings->count, false));
-    json_object_set_new(object, "home_rows",
-                        finding_rows(report, findings->home, findings->home_count, true));
-    return object;
+    pl_document document = {0};
+    pl_report_document(report, PL_READER_PAGE, &document);
+    json_t *json = pl_document_json(&document);
+    pl_document_free(&document);
+    return json;
 }
 
 json_t *pl_engine_words(void)
@@ -225,7 +129,7 @@ json_t *pl_page_data_metrics(void)
 
 /* ---- Cases ---- */
 
-void pl_page_data_scenario(const pl_scenario *scenario, json_t *object)
+static void set_catalogue(const pl_scenario *scenario, json_t *object)
 {
     set_text(object, "title", scenario->title);
     set_text(object, "description", scenario->description);
@@ -238,77 +142,77 @@ void pl_page_data_scenario(const pl_scenario *scenario, json_t *object)
     set_text(object, "threads", scenario->threads);
 }
 
-/* The time step and the duration of a scene file, which are no parameters of its own. */
-static const pl_param file_times[2] = {{.name = "dt", .unit = "s", .help = "time step"},
-                                       {.name = "duration", .unit = "s", .help = "simulated time"}};
+/* A parameter of a case. */
+typedef struct given {
+    pl_param param;
+    const json_t *value;
+    bool
+        is_time; /* the time step or the duration of a scene file, which are no parameters of its own */
+} given;
 
-static bool is_file_time(const char *name)
+static void add_given(const pl_param *param, const json_t *values, bool is_time, given **list,
+                      int *count)
 {
-    return strcmp(name, file_times[0].name) == 0 || strcmp(name, file_times[1].name) == 0;
+    const given item = {*param, json_object_get(values, param->name), is_time};
+    pl_push(list, count, &item, sizeof item);
 }
 
-static void add_param(json_t *array, const pl_param *param, const json_t *value)
+/* The parameters of a case; of a scene file its own, whose meaning is not known, then its time step and duration. The
+ * caller frees. */
+static given *list_given(const pl_result_case *test_case, int *count)
 {
-    char number[PL_QUANTITY_SIZE];
-    pl_format_given(json_is_number(value) ? json_number_value(value) : (double)NAN, param->unit,
-                    number);
-    json_array_append_new(array,
-                          json_pack("[s, s, o]", param->name, number, text_or_null(param->help)));
-}
-
-/* Parameters as [name, value, meaning]; of a scene file its own, without meaning, then its time step
- * and duration. */
-static json_t *params_json(const pl_result_case *test_case)
-{
+    static const pl_param times[2] = {
+        {.name = "dt", .unit = "s", .help = "time step", .value = (double)NAN},
+        {.name = "duration", .unit = "s", .help = "simulated time", .value = (double)NAN}};
     const pl_scenario *scenario = test_case->row->catalogue;
+    const json_t *params = test_case->row->params;
     const json_t *settings = json_object_get(test_case->row->result, "settings");
-    json_t *array = json_array();
+    given *list = NULL;
     const char *name;
     json_t *value;
+    *count = 0;
     for (int i = 0; scenario != NULL && i < scenario->param_count; ++i) {
-        const pl_param *param = &scenario->params[i];
-        add_param(array, param, json_object_get(test_case->row->params, param->name));
+        add_given(&scenario->params[i], params, false, &list, count);
     }
-    json_object_foreach((json_t *)test_case->row->params, name, value)
+    json_object_foreach((json_t *)params, name, value)
     {
-        if (scenario == NULL && !is_file_time(name)) {
-            add_param(array, &(pl_param){.name = name, .unit = "1", .help = ""}, value);
+        const pl_param own = {.name = name, .unit = "1", .help = "", .value = (double)NAN};
+        if (scenario == NULL && strcmp(name, "dt") != 0 && strcmp(name, "duration") != 0) {
+            add_given(&own, params, false, &list, count);
         }
     }
     for (int i = 0; scenario == NULL && i < 2; ++i) {
-        add_param(array, &file_times[i], json_object_get(settings, file_times[i].name));
+        add_given(&times[i], settings, true, &list, count);
+    }
+    return list;
+}
+
+/* Parameters as [name, value, meaning]. */
+static json_t *params_json(const given *list, int count)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < count; ++i) {
+        char number[PL_QUANTITY_SIZE];
+        pl_format_given(json_is_number(list[i].value) ? json_number_value(list[i].value)
+                                                      : (double)NAN,
+                        list[i].param.unit, number);
+        json_array_append_new(array, json_pack("[s, s, o]", list[i].param.name, number,
+                                               text_or_null(list[i].param.help)));
     }
     return array;
 }
 
 /* The command that makes the runs of a case again. */
-static json_t *again_json(const pl_result_case *test_case)
+static json_t *again_json(const pl_result_case *test_case, const given *list, int count)
 {
-    const pl_scenario *scenario = test_case->row->catalogue;
-    const json_t *settings = json_object_get(test_case->row->result, "settings");
     pl_text_buffer line = {0};
-    pl_text_add(&line, "plumb compare ");
+    pl_text_add(&line, PL_PROGRAM " compare ");
     pl_text_add_shell(&line, test_case->row->scenario);
-    for (int i = 0; scenario != NULL && i < scenario->param_count; ++i) {
-        const json_t *value = json_object_get(test_case->row->params, scenario->params[i].name);
-        if (json_is_number(value) && json_number_value(value) != scenario->params[i].value) {
-            pl_text_format(&line, " --set %s=%.17g", scenario->params[i].name,
-                           json_number_value(value));
-        }
-    }
-    const char *name;
-    json_t *param;
-    json_object_foreach((json_t *)test_case->row->params, name, param)
-    {
-        if (scenario == NULL && !is_file_time(name)) {
-            pl_text_format(&line, " --set %s=%.17g", name, json_number_value(param));
-        }
-    }
-    for (int i = 0; scenario == NULL && i < 2; ++i) {
-        const char *time = file_times[i].name;
-        if (json_is_number(json_object_get(settings, time))) {
-            pl_text_format(&line, " --%s %.17g", time,
-                           json_number_value(json_object_get(settings, time)));
+    for (int i = 0; i < count; ++i) {
+        const double value = json_number_value(list[i].value);
+        if (json_is_number(list[i].value) && value != list[i].param.value) {
+            pl_text_format(&line, list[i].is_time ? " --%s %.17g" : " --set %s=%.17g",
+                           list[i].param.name, value);
         }
     }
     if (test_case->row->seed != 0) {
@@ -405,17 +309,20 @@ static void set_bound(const pl_result_case *test_case, json_t *object)
 static json_t *case_json(const pl_result_table *results, const pl_result_case *test_case)
 {
     json_t *object = json_object(), *cells = json_array();
+    int count = 0;
+    given *list = list_given(test_case, &count);
     pl_scene scene;
     pl_error error = {PL_OK, ""};
     const pl_status built = pl_case_scene_build(test_case, &scene, &error);
     set_text(object, "name", test_case->name);
     set_text(object, "scenario", test_case->row->scenario);
     if (test_case->row->catalogue != NULL) {
-        pl_page_data_scenario(test_case->row->catalogue, object);
+        set_catalogue(test_case->row->catalogue, object);
     }
     set_bound(test_case, object);
-    json_object_set_new(object, "params", params_json(test_case));
-    json_object_set_new(object, "again", again_json(test_case));
+    json_object_set_new(object, "params", params_json(list, count));
+    json_object_set_new(object, "again", again_json(test_case, list, count));
+    free(list);
     if (built == PL_OK) {
         json_object_set_new(object, "scene", pl_case_scene_json(&scene));
     } else {
@@ -436,11 +343,10 @@ json_t *pl_page_data(const pl_report *report)
     for (int i = 0; i < results->case_count; ++i) {
         json_array_append_new(cases, case_json(results, &results->cases[i]));
     }
-    return json_pack("{s:s, s:i, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "kind",
-                     "report", "runs", results->row_count, "several_hosts",
-                     (int)results->several_hosts, "disagrees", (int)results->disagrees,
-                     "provenance", provenance_json(results), "command", command_json(results),
-                     "engines", engines_json(report), "cases", cases, "losses", losses_json(report),
-                     "findings", findings_json(report), "metrics", pl_page_data_metrics(), "words",
-                     pl_engine_words());
+    return json_pack("{s:s, s:i, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "kind", "report",
+                     "runs", results->row_count, "several_hosts", (int)results->several_hosts,
+                     "disagrees", (int)results->disagrees, "provenance", provenance_json(results),
+                     "command", command_json(results), "engines", engines_json(results), "cases",
+                     cases, "document", document_json(report), "metrics", pl_page_data_metrics(),
+                     "words", pl_engine_words());
 }

@@ -3,13 +3,10 @@
 #define PLUMB_PAGE_DATA_H
 
 #include "plumb/scenario.h"
-#include "summary.h"
+#include "report_document.h"
 
 /* The whole report: {"kind": "report", ...}, a new reference. */
 json_t *pl_page_data(const pl_report *report);
-
-/* What a page says of a scenario of the catalogue, set in `object`. */
-void pl_page_data_scenario(const pl_scenario *scenario, json_t *object);
 
 /* What the words of a scene and of options mean in each built-in engine, {ENGINE: {WORD: TEXT}}, as the
  * engines' descriptions say (adapters/NAME/engine.json): a new reference. */

@@ -1,8 +1,8 @@
 #include "queries.h"
 
-#include "base/number_format.h"
+#include "base/heap.h"
+#include "base/text_buffer.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -11,98 +11,72 @@ bool pl_case_primary_is(const pl_result_case *test_case, int metric)
     return strcmp(test_case->row->primary_error, pl_metric_table[metric].name) == 0;
 }
 
-bool pl_case_is_entry(const pl_result_case *test_case, const pl_suite_entry *entry)
+char *pl_engine_names(const pl_result_table *results, bool home)
 {
-    const pl_scenario *scenario = test_case->row->catalogue;
-    double values[PL_MAX_PARAMS];
-    if (scenario == NULL || strcmp(test_case->row->scenario, entry->scenario) != 0 ||
-        pl_scenario_values(scenario, &entry->setting, entry->setting == NULL ? 0 : 1, values,
-                           NULL) != PL_OK) {
-        return false;
-    }
-    for (int i = 0; i < scenario->param_count; ++i) {
-        const char *name = scenario->params[i].name;
-        const json_t *value = json_object_get(test_case->row->params, name);
-        if (strcmp(name, "dt") != 0 && strcmp(name, "duration") != 0 &&
-            (!json_is_number(value) || json_number_value(value) != values[i])) {
-            return false;
-        }
-    }
-    return true;
-}
-
-void pl_cell_time_text(const pl_result_configuration *configuration, const pl_result_cell *cell,
-                       void (*write)(const pl_metric_summary *summary,
-                                     char text[PL_METRIC_TEXT_SIZE]),
-                       char text[PL_CELL_TIME_SIZE])
-{
-    const pl_metric_summary time = pl_result_cell_metric(cell, PL_METRIC_TIME_PER_STEP);
-    const pl_metric_summary wall = pl_result_cell_metric(cell, PL_METRIC_WALL_TIME_PER_STEP);
-    char cpu[PL_METRIC_TEXT_SIZE], elapsed[PL_METRIC_TEXT_SIZE] = "";
-    const bool is_shown = configuration->threads > 1 && wall.state == PL_METRIC_VALUE;
-    write(&time, cpu);
-    if (is_shown) {
-        write(&wall, elapsed);
-    }
-    snprintf(text, PL_CELL_TIME_SIZE, "%s%s%s", cpu, is_shown ? ", wall " : "", elapsed);
-}
-
-double pl_case_least_time(const pl_result_table *results, const pl_result_case *test_case)
-{
-    double least = INFINITY;
-    for (int i = 0; i < test_case->count; ++i) {
-        const pl_result_cell *cell = &test_case->cells[i];
-        const pl_metric_summary time = pl_result_cell_metric(cell, PL_METRIC_TIME_PER_STEP);
-        if (results->configurations[cell->configuration].runtime == NULL &&
-            pl_result_cell_is_ok(cell) && time.state == PL_METRIC_VALUE) {
-            least = fmin(least, time.value);
-        }
-    }
-    return least;
-}
-
-void pl_add_engine_names(const pl_result_table *results, bool home, pl_text_buffer *out)
-{
-    const char *separator = "";
+    pl_text_buffer names = {0};
     for (int i = 0; i < results->configuration_count; ++i) {
         if (results->configurations[i].is_home == home) {
-            pl_text_format(out, "%s%s", separator, results->configurations[i].name);
-            separator = ", ";
+            pl_text_format(&names, "%s%s", names.length > 0 ? ", " : "",
+                           results->configurations[i].name);
         }
+    }
+    return pl_text_take(&names);
+}
+
+static bool is_unsupported(const pl_result_cell *cell)
+{
+    return cell->worst->outcome == PL_OUTCOME_UNSUPPORTED;
+}
+
+const char *pl_cell_style(const pl_result_cell *cell)
+{
+    static const char *const styles[PL_VERDICT_COUNT] = {"ok", "poor", "bad", ""};
+    return cell == NULL || is_unsupported(cell) ? "none" : styles[cell->worst->verdict];
+}
+
+void pl_cell_verdict(const pl_result_cell *cell, char text[PL_CELL_VERDICT_SIZE])
+{
+    if (cell == NULL || is_unsupported(cell)) {
+        snprintf(text, PL_CELL_VERDICT_SIZE, "%s", cell == NULL ? "not run" : "unsupported");
+        return;
+    }
+    const pl_result_row *row = cell->worst;
+    const bool by_outcome = row->verdict == PL_VERDICT_FAILED && row->outcome != PL_OUTCOME_OK;
+    const int used =
+        snprintf(text, PL_CELL_VERDICT_SIZE, "%s%s%.60s", pl_verdict_name(row->verdict),
+                 by_outcome ? ": " : "", by_outcome ? pl_outcome_name(row->outcome) : "");
+    if (cell->outcomes_differ) {
+        snprintf(text + used, PL_CELL_VERDICT_SIZE - (size_t)used, " in %d of %d",
+                 cell->count - cell->ok_count, cell->count);
     }
 }
 
-/* A run of the configuration on the first case that it has. */
-static const pl_result_row *first_run(const pl_result_table *results, int configuration)
+const char *pl_cell_why(const pl_result_cell *cell)
 {
-    const pl_result_cell *cell = NULL;
-    for (int i = 0; cell == NULL; ++i) {
-        cell = pl_result_case_cell(&results->cases[i], configuration);
+    if (cell == NULL) {
+        return "";
     }
-    return cell->worst;
+    return cell->worst->outcome != PL_OUTCOME_OK
+               ? cell->worst->reason
+               : pl_json_get_text(cell->worst->result, "verdict_reason");
 }
 
-void pl_add_settings(const pl_result_table *results, int configuration, pl_text_buffer *out)
+bool pl_case_acceptance(const pl_result_case *test_case, char bound[PL_QUANTITY_SIZE],
+                        const char **reason)
 {
-    json_t *settings = json_object_get(first_run(results, configuration)->result, "settings");
-    const char *name, *separator = "";
-    json_t *value;
-    json_object_foreach(settings, name, value)
-    {
-        if (strcmp(name, "dt") == 0 || strcmp(name, "duration") == 0) {
-            continue;
+    const pl_scenario *scenario = test_case->row->catalogue;
+    const int metric = pl_metric_by_name(test_case->row->primary_error);
+    for (int i = 0; i < test_case->count; ++i) {
+        const json_t *result = test_case->cells[i].worst->result;
+        const json_t *acceptance = json_object_get(result, "acceptance");
+        if (json_is_number(acceptance)) {
+            const double value = json_number_value(acceptance);
+            const bool is_known = scenario != NULL && scenario->acceptance == value &&
+                                  scenario->acceptance_reason != NULL;
+            pl_format_given(value, metric < 0 ? "1" : pl_metric_table[metric].unit, bound);
+            *reason = is_known ? scenario->acceptance_reason : "";
+            return true;
         }
-        pl_text_format(out, "%s%s = ", separator, name);
-        if (json_is_integer(value)) {
-            pl_text_format(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
-        } else if (json_is_real(value)) {
-            pl_text_format(out, "%.6g", json_real_value(value));
-        } else {
-            pl_text_add(out, json_is_string(value) ? json_string_value(value) : pl_no_number);
-        }
-        separator = ", ";
     }
-    if (separator[0] == '\0') {
-        pl_text_add(out, "none are recorded");
-    }
+    return false;
 }

@@ -6,9 +6,9 @@
 #include "base/heap.h"
 #include "page.h"
 #include "page_data.h"
+#include "report_document.h"
 #include "results/result.h"
 #include "results/store.h"
-#include "summary.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -24,16 +24,16 @@ static const char *const run_columns[] = {
     "run",           "scenario",   "params",         "scene_hash",    "seed",     "repeat",
     "engine",        "profile",    "engine_version", "engine_binary", "label",    "settings",
     "outcome",       "reason",     "steps.asked",    "steps.done",    "host.cpu", "host.os",
-    "host.compiler", "host.flags", "plumb.version",  "plumb.git",     "started"};
-static const char *const metric_columns[] = {"value", "unit", "direction",  "deterministic", "p50",
-                                             "p95",   "p99",  "worst_step", "reason"};
-static const char *const verdict_columns[] = {"verdict", "verdict_reason", "acceptance"};
-enum {
-    RUN_COLUMNS = sizeof run_columns / sizeof run_columns[0],
-    METRIC_COLUMNS = sizeof metric_columns / sizeof metric_columns[0],
-    VERDICT_COLUMNS = sizeof verdict_columns / sizeof verdict_columns[0]
-};
+    "host.compiler", "host.flags", "plumb.version",  "plumb.git",     "started",  NULL};
+static const char *const metric_columns[] = {"unit", "direction",  "deterministic", "p50", "p95",
+                                             "p99",  "worst_step", "reason",        NULL};
+static const char *const verdict_columns[] = {"verdict", "verdict_reason", "acceptance", NULL};
 
+/* Adds the comma between two fields of a line. */
+static void add_comma(pl_text_buffer *out)
+{
+    pl_text_add(out, out->length == 0 || out->data[out->length - 1] == '\n' ? "" : ",");
+}
 /* Adds a field. A real number has a point or an exponent, so that the type of a column does not depend on its
  * values. */
 static void add_value(const json_t *value, pl_text_buffer *out)
@@ -77,24 +77,21 @@ static const json_t *value_at(const json_t *result, const char *column)
     return json_object_get(json_object_get(result, object), dot + 1);
 }
 
-/* Adds the names of columns, each with a comma before it but for the first of the line. */
-static void add_columns(const char *const *columns, int count, bool first, pl_text_buffer *out)
+static void add_columns(const char *const *columns, pl_text_buffer *out)
 {
-    for (int i = 0; i < count; ++i) {
-        pl_text_add(out, first && i == 0 ? "" : ",");
-        for (const char *c = columns[i]; *c != '\0'; ++c) {
+    for (; *columns != NULL; ++columns) {
+        add_comma(out);
+        for (const char *c = *columns; *c != '\0'; ++c) {
             pl_text_format(out, "%c", *c == '.' ? '_' : *c);
         }
     }
 }
 
-/* Adds their values in the same way. */
-static void add_values(const json_t *object, const char *const *columns, int count, bool first,
-                       pl_text_buffer *out)
+static void add_values(const json_t *object, const char *const *columns, pl_text_buffer *out)
 {
-    for (int i = 0; i < count; ++i) {
-        pl_text_add(out, first && i == 0 ? "" : ",");
-        add_value(value_at(object, columns[i]), out);
+    for (; *columns != NULL; ++columns) {
+        add_comma(out);
+        add_value(value_at(object, *columns), out);
     }
 }
 
@@ -102,27 +99,26 @@ static void add_values(const json_t *object, const char *const *columns, int cou
 static void add_line(const json_t *result, const char *name, const json_t *metric,
                      pl_text_buffer *out)
 {
-    add_values(result, run_columns, RUN_COLUMNS, true, out);
+    const json_t *value = json_object_get(metric, "value");
+    add_values(result, run_columns, out);
     pl_text_add(out, ",");
     pl_text_add_csv(out, name == NULL ? "" : name);
-    const json_t *value = json_object_get(metric, "value");
     pl_text_add(out, ",");
     add_value(json_is_string(value) ? NULL : value, out);
-    add_values(metric, metric_columns + 1, METRIC_COLUMNS - 1, false, out);
-    add_values(result, verdict_columns, VERDICT_COLUMNS, false, out);
+    add_values(metric, metric_columns, out);
+    add_values(result, verdict_columns, out);
     pl_text_add(out, ",");
     add_value(json_is_string(value) ? value : NULL, out);
     pl_text_add(out, "\r\n");
 }
 
+/* The last column has the values that are texts, so that the column value has numbers alone. */
 static void add_header(pl_text_buffer *out)
 {
-    add_columns(run_columns, RUN_COLUMNS, true, out);
-    pl_text_add(out, ",metric");
-    add_columns(metric_columns, METRIC_COLUMNS - 1, false, out);
-    pl_text_add(out, ",metric_reason"); /* "reason" is the run's */
-    add_columns(verdict_columns, VERDICT_COLUMNS, false, out);
-    /* Of a metric whose value is a text: the column value has numbers alone. */
+    add_columns(run_columns, out);
+    pl_text_add(out, ",metric,value,unit,direction,deterministic,p50,p95,p99,worst_step,"
+                     "metric_reason");
+    add_columns(verdict_columns, out);
     pl_text_add(out, ",value_text\r\n");
 }
 
@@ -203,16 +199,16 @@ static pl_status write_files(report_file *files, int count, const pl_report_def 
 void pl_report_runs_csv(const pl_result_table *results, pl_text_buffer *out)
 {
     const pl_result_row **rows = pl_result_table_by_place(results);
-    add_columns(run_columns, RUN_COLUMNS, true, out);
-    add_columns(verdict_columns, VERDICT_COLUMNS, false, out);
+    add_columns(run_columns, out);
+    add_columns(verdict_columns, out);
     for (int id = 0; id < PL_METRIC_COUNT; ++id) {
         const char *unit = pl_metric_table_unit(id);
         pl_text_format(out, unit[0] == '\0' ? ",%s" : ",%s (%s)", pl_metric_table[id].name, unit);
     }
     pl_text_add(out, "\r\n");
     for (int i = 0; i < results->row_count; ++i) {
-        add_values(rows[i]->result, run_columns, RUN_COLUMNS, true, out);
-        add_values(rows[i]->result, verdict_columns, VERDICT_COLUMNS, false, out);
+        add_values(rows[i]->result, run_columns, out);
+        add_values(rows[i]->result, verdict_columns, out);
         for (int id = 0; id < PL_METRIC_COUNT; ++id) {
             const json_t *metric = json_object_get(rows[i]->metrics, pl_metric_table[id].name);
             pl_text_add(out, ",");
@@ -307,7 +303,7 @@ static void add_recordings(const pl_report_def *def, pl_text_buffer *out)
     free(found);
 }
 
-static void make_page(const pl_report_def *def, const pl_report *report, pl_text_buffer *out)
+static void add_page(const pl_report_def *def, const pl_report *report, pl_text_buffer *out)
 {
     json_t *data = pl_page_data(report);
     if (def->reference != NULL) {
@@ -320,6 +316,16 @@ static void make_page(const pl_report_def *def, const pl_report *report, pl_text
     json_decref(data);
 }
 
+static void add_summary(const pl_report *report, pl_text_buffer *out)
+{
+    pl_document document = {0};
+    pl_report_document(report, PL_READER_SUMMARY, &document);
+    char *text = pl_document_markdown(&document);
+    pl_text_add(out, text);
+    free(text);
+    pl_document_free(&document);
+}
+
 pl_status pl_report_write(const pl_report_def *def, pl_error *error)
 {
     report_file files[] = {{.name = "results.csv"},
@@ -327,18 +333,27 @@ pl_status pl_report_write(const pl_report_def *def, pl_error *error)
                            {.name = "summary.md"},
                            {.name = "index.html"}};
     enum { FILE_COUNT = sizeof files / sizeof files[0] };
-    pl_report report;
-    pl_status status = pl_report_build(def->results, &report, error);
-    if (status == PL_OK) {
-        pl_report_csv(def->results, &files[0].text);
-        pl_report_runs_csv(def->results, &files[1].text);
-        pl_report_summary(&report, &files[2].text);
-        make_page(def, &report, &files[3].text);
-        status = write_files(files, FILE_COUNT, def, error);
-    }
+    pl_report report = pl_report_build(def->results);
+    pl_report_csv(def->results, &files[0].text);
+    pl_report_runs_csv(def->results, &files[1].text);
+    add_summary(&report, &files[2].text);
+    add_page(def, &report, &files[3].text);
+    const pl_status status = write_files(files, FILE_COUNT, def, error);
     for (int i = 0; i < FILE_COUNT; ++i) {
         pl_text_free(&files[i].text);
     }
     pl_report_free(&report);
     return status;
+}
+
+void pl_report_print(FILE *out, const pl_result_table *results, bool colour, int width)
+{
+    pl_report report = pl_report_build(results);
+    pl_document document = {.colour = colour};
+    pl_report_document(&report, PL_READER_TERMINAL, &document);
+    char *text = pl_document_text(&document, width);
+    fputs(text, out);
+    free(text);
+    pl_document_free(&document);
+    pl_report_free(&report);
 }

@@ -34,15 +34,15 @@ void pl_report_runs_csv(const pl_result_table *results, pl_text_buffer *out);
  * the last column, value_text, so that the column value has numbers alone. */
 void pl_report_csv(const pl_result_table *results, pl_text_buffer *out);
 
-/* Prints the same results as a UTF-8 table that fits `width` columns (at least 40): first where
- * the home engine loses, then each case with a line for each engine, findings with their causes, and, of more
- * than one case, how many verdicts of each kind every engine has.
+/* Prints the same results as UTF-8 text of `width` columns: where the home engine loses, each case with a line for
+ * each engine, findings with their causes, and, of more than one case, how many verdicts of each kind every engine has.
  * `colour` allows ANSI colours. Control characters are shown as '?', so that no output of an engine
  * can control the terminal. */
-void pl_report_print_table(FILE *out, const pl_result_table *results, bool colour, int width);
+void pl_report_print(FILE *out, const pl_result_table *results, bool colour, int width);
 
 /* Adds the catalogue as one HTML page: each scenario with its scene, right answer, source and
- * parameters. The error of a scenario that cannot be built. */
-pl_status pl_catalogue_page(pl_text_buffer *out, pl_error *error);
+ * parameters. The arrays are those of plumb list --json, borrowed. The error of a scenario that cannot be built. */
+pl_status pl_catalogue_page(json_t *scenarios, json_t *suites, pl_text_buffer *out,
+                            pl_error *error);
 
 #endif

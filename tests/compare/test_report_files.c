@@ -79,7 +79,7 @@ static void test_write_makes_its_files_and_nothing_else(void **state)
     char *html = read_file(directory, "index.html"), *markdown = read_file(directory, "summary.md");
     char *csv = read_file(directory, "results.csv");
     assert_contains(html, made.table->configurations[0].name);
-    assert_string_equal(markdown, made.markdown.data);
+    assert_string_equal(markdown, made.markdown);
     assert_non_null(csv);
     free(html);
     free(markdown);

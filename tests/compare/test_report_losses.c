@@ -37,10 +37,9 @@ static void test_value_of_an_inaccurate_run_says_so(void **state)
         json_t *theirs = json_array_get(results, 1);
         json_object_set_new(theirs, "verdict", json_string(i == 0 ? "accurate" : "inaccurate"));
         made_report made = make_report(results);
-        char texts[4][PL_LOSS_TEXT_SIZE];
         assert_int_equal(made.report.losses.count, 1);
-        pl_loss_texts(&made.report.losses.items[0], texts[0], texts[1], texts[2], texts[3]);
-        assert_string_equal(texts[2], i == 0 ? "1.00 ms" : "1.00 ms (inaccurate)");
+        assert_contains(made.markdown,
+                        i == 0 ? "| 1.00 ms | ×2.00 |" : "| 1.00 ms (inaccurate) | ×2.00 |");
         free_report(&made);
     }
 }
@@ -122,7 +121,7 @@ static void test_floors_are_stated_next_to_the_losses(void **state)
                                         "one time step"};
     for (size_t i = 0; i < sizeof facts / sizeof facts[0]; ++i) {
         assert_contains(made.data, facts[i]);
-        assert_before(made.markdown.data, facts[i], "## Results");
+        assert_before(made.markdown, facts[i], "## Results");
     }
     free_report(&made);
 }
@@ -165,7 +164,7 @@ static void test_primary_error_and_time_come_before_other_metrics(void **state)
         assert_int_equal(made.report.losses.items[i].near_rounding, i > 3);
     }
     assert_int_equal(count_of(made.data, "both near rounding"), 2);
-    assert_int_equal(count_of(made.markdown.data, "both near rounding"), 2);
+    assert_int_equal(count_of(made.markdown, "both near rounding"), 2);
     free_report(&made);
 }
 
@@ -206,7 +205,7 @@ static void test_times_of_different_machines_are_not_compared(void **state)
     made_report made = make_report(results);
     assert_int_equal(made.report.losses.count, 0);
     assert_contains(made.data, "\"several_hosts\":true");
-    assert_contains(made.markdown.data, "come from several machines");
+    assert_contains(made.markdown, "come from several machines");
     free_report(&made);
 }
 
@@ -218,7 +217,7 @@ static void test_no_losses_is_reported_with_the_comparisons(void **state)
         "No losses: in none of 1 comparisons is plumb worse than the best other "
         "engine, over 1 case: plumb:fast against the best of ode:quick.";
     assert_contains(made.data, words);
-    assert_contains(made.markdown.data, words);
+    assert_contains(made.markdown, words);
     char *table = printed_table(made.results, false, 1000);
     assert_contains(table, words);
     free(table);
@@ -248,8 +247,8 @@ static void test_losses_appear_only_with_a_home_engine(void **state)
     add_run(results, "s", "bullet:si", "ok");
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 100);
-    assert_contains(made.data, "\"losses\":{\"home\":null");
-    assert_absent(made.markdown.data, "Where plumb loses");
+    assert_absent(made.data, "Where plumb loses");
+    assert_absent(made.markdown, "Where plumb loses");
     assert_absent(table, "Where plumb loses");
     free(table);
     free_report(&made);
@@ -259,10 +258,10 @@ static void test_verdicts_and_losses_come_before_results(void **state)
 {
     (void)state;
     made_report made = make_report(runs_of_every_kind());
-    assert_before(made.markdown.data, "## Verdicts", "\n|");
-    assert_before(made.markdown.data, "## Where plumb loses", "## Results");
+    assert_before(made.markdown, "## Verdicts", "\n|");
+    assert_before(made.markdown, "## Where plumb loses", "## Results");
     char *table = printed_table(made.results, false, 100);
-    assert_int_equal(strncmp(table, "Where plumb loses\n", 18), 0);
+    assert_before(table, "Where plumb loses\n", "  engine ");
     free(table);
     free_report(&made);
 }

@@ -107,8 +107,8 @@ static void test_summary_names_what_an_engine_runs_in(void **state)
         json_object_set_new(row, "engine_runtime", json_string(i == 0 ? "native" : "web|assembly"));
     }
     made_report made = make_report(results);
-    assert_contains(made.markdown.data, "2.00 ms (");
-    assert_contains(made.markdown.data, "5.00 ms in web\\|assembly |");
+    assert_contains(made.markdown, "2.00 ms (");
+    assert_contains(made.markdown, "5.00 ms in web\\|assembly |");
     free_report(&made);
 }
 

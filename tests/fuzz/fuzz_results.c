@@ -7,7 +7,6 @@
 
 #include "gate/gate.h"
 #include "report/report.h"
-#include "report/summary.h"
 #include "report/sweep_report.h"
 #include "results/store.h"
 
@@ -56,7 +55,7 @@ static void report(const pl_result_table *results, FILE *nowhere)
     pl_text_buffer text = {0};
     pl_report_csv(results, &text);
     pl_report_runs_csv(results, &text);
-    pl_report_print_table(nowhere, results, true, 100);
+    pl_report_print(nowhere, results, true, 100);
     pl_sweep_analyse(results, &analysis);
     pl_sweep_report_print(nowhere, &analysis);
     json_decref(pl_sweep_report_json(&analysis));

@@ -105,16 +105,15 @@ json_t *runs_of_every_kind(void)
 made_report make_report(json_t *results)
 {
     made_report made = {.results = results, .table = table_of(results)};
-    pl_error error = {PL_OK, ""};
-    if (pl_report_build(made.table, &made.report, &error) != PL_OK) {
-        fail_msg("%s", error.message);
-    }
+    made.report = pl_report_build(made.table);
     json_t *data = pl_page_data(&made.report);
     made.data = json_dumps(data, JSON_COMPACT | JSON_REAL_PRECISION(17));
     assert_non_null(made.data);
     json_decref(data);
-    pl_report_summary(&made.report, &made.markdown);
-    assert_false(made.markdown.failed);
+    pl_document document = {0};
+    pl_report_document(&made.report, PL_READER_SUMMARY, &document);
+    made.markdown = pl_document_markdown(&document);
+    pl_document_free(&document);
     return made;
 }
 
@@ -123,7 +122,7 @@ void free_report(made_report *made)
     pl_report_free(&made->report);
     free_table(made->table);
     free(made->data);
-    pl_text_free(&made->markdown);
+    free(made->markdown);
     json_decref(made->results);
 }
 
@@ -134,7 +133,7 @@ char *printed_table(const json_t *results, bool colour, int width)
     FILE *out = open_memstream(&text, &size);
     assert_non_null(out);
     pl_result_table *made = table_of(results);
-    pl_report_print_table(out, made, colour, width);
+    pl_report_print(out, made, colour, width);
     free_table(made);
     fclose(out);
     return text;

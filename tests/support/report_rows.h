@@ -2,7 +2,7 @@
 #ifndef PLUMB_TEST_REPORT_ROWS_H
 #define PLUMB_TEST_REPORT_ROWS_H
 
-#include "report/summary.h"
+#include "report/report_document.h"
 #include "result_tables.h"
 
 /* Markup, quotes, separators and letters that are not ASCII. */
@@ -32,7 +32,7 @@ typedef struct made_report {
     pl_result_table *table;
     pl_report report;
     char *data; /* of the page, as JSON text */
-    pl_text_buffer markdown;
+    char *markdown;
 } made_report;
 
 /* Takes `results`. */

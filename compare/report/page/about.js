@@ -1,42 +1,8 @@
-/* The later parts of a report: findings, where the home engine loses, settings, words, fairness, metrics. */
+/* The last parts of a report: words, fairness, metrics, provenance, licences. */
 import { data, facts, folded, h, p, section, table } from './dom.js';
 
-const link = (report, index) => ({ text: report.cases[index].name, value: index, children: h('a', { href: `#case-${index}` }, report.cases[index].name) });
-
-export function findings(report) {
-  const f = report.findings;
-  if (!f.statement) return null;
-  return section('findings', 'Findings', p(f.statement, 'lead'), p(f.adapters), p(f.read_back), p(f.origin),
-    table({ caption: report.losses.home ? 'Runs of other engines that are not accurate' : 'Runs that are not accurate', columns: [{ name: 'case' }, { name: 'engine' }, { name: 'error' }, { name: 'what in the engine causes it', wide: true }, { name: 'what was varied, and what changed', wide: true }],
-      rows: f.rows.map(([test, engine, error, , cause, evidence]) => [link(report, test), engine, error, cause, evidence]), most: 40 }));
-}
-
-/* Of the home engine: where it is worse than others, and which of its runs are not accurate. */
-export function home(report) {
-  const l = report.losses, f = report.findings;
-  if (!l.home) return null;
-  return section('losses', `Where ${l.home} loses`, p(l.statement, 'lead'),
-    l.rows.length > 0 ? table({ caption: `Comparisons that ${l.home} loses`, columns: [{ name: 'case' }, { name: 'metric' }, { name: 'home' }, { name: 'value', right: true }, { name: 'best other' }, { name: 'value', right: true }, { name: 'ratio', right: true }],
-      rows: l.rows.map(([test, ...rest]) => [link(report, test), ...rest]), most: 20 }) : null,
-    folded('What is compared, and which differences count', p(l.rule)),
-    f.home_statement ? [p(f.home_statement), table({ caption: `Runs of ${l.home} that are not accurate`, columns: [{ name: 'case' }, { name: 'engine' }, { name: 'error' }, { name: 'why', wide: true }, { name: 'what in the engine causes it', wide: true }, { name: 'what was varied, and what changed', wide: true }],
-      rows: f.home_rows.map(([test, ...rest]) => [link(report, test), ...rest]), most: 20 })] : null);
-}
-
-export function stepping(report) {
-  const rows = report.cases.flatMap((test, i) => test.cells.map((cell, k) => ({ cell, k, i })).filter(({ cell }) => cell && ['travel_error', 'value_error'].includes(test.primary_error) && cell.metrics.discrete_error?.[0] !== null && cell.metrics.discrete_error)
-    .map(({ cell, k }) => [link(report, i), report.engines[k].name, cell.metrics.integrator?.[1] ?? 'not detected', { text: cell.metrics.reference_error[1], value: cell.metrics.reference_error[0] }, { text: cell.metrics.discrete_error[1], value: cell.metrics.discrete_error[0] }]));
-  if (rows.length === 0) return null;
-  return section('stepping', 'Time stepping and contact',
-    p('The error against the right answer has two parts. A time-stepping rule has an error even where every force is right. Compared with the exact answer of the engine\'s own rule at the same step that part is gone, and the rest comes from contacts and friction. The rule is detected from the frames.'),
-    table({ caption: 'Both errors of each run', columns: [{ name: 'case' }, { name: 'engine' }, { name: 'rule, as detected' }, { name: 'error against the right answer', right: true }, { name: 'against its own rule', right: true }], rows, most: 20 }));
-}
-
-export function settings(report) {
-  return section('settings', 'Engines and their settings',
-    p('Conformance is what plumb check-engine found of the engine and its adapter by small scenes that each catch one mistake, for the engine\'s very binary and the profile\'s default options. “Not verified” means that nothing is known: a deviation may be the adapter\'s.'),
-    table({ caption: 'As recorded with the first run of each engine', columns: [{ name: 'engine' }, { name: 'version' }, { name: 'conformance', wide: true }, { name: 'settings', wide: true }], rows: report.engines.map((e) => [e.name, e.version, e.conformance, e.settings]) }));
-}
+/* The keys of an object, sorted. */
+export const once = (values) => Object.keys(values).filter(Boolean).sort();
 
 export function words(report) {
   const here = [...new Set(report.engines.map((e) => e.engine))].filter((name) => report.words?.[name]);
@@ -61,7 +27,7 @@ export function metrics(list) {
 
 export function provenance(report) {
   const from = report.provenance;
-  const pairs = ['Processor', 'System', 'Compiler', 'Flags', 'Plumb', 'Commit'].map((name) => [name, from[name].join('; ')]);
+  const pairs = ['Processor', 'System', 'Compiler', 'Flags', 'Plumb', 'Commit'].map((name) => [name, once(from[name]).join('; ')]);
   return section('provenance', 'Where the numbers come from', facts([...pairs, ['Started', from.first && (from.first === from.last ? from.first : `${from.first} to ${from.last}`)], ['Command', report.command && h('code', {}, report.command)]]));
 }
 

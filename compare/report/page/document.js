@@ -6,15 +6,16 @@ import { Plot, chips, hasPlots, plot, power } from './plots.js';
 
 const byName = (rows) => stylesOf([...new Set(rows.map((row) => row.name))].map((name) => ({ name, engine: name.split(/[:@, ]/)[0] })));
 
-/* What a cell sorts by: its number, if its text is one. */
-const cell = (value) => {
-  if (value === null) return null;
-  const made = typeof value === 'string' ? { text: value } : value, number = Number(made.text);
-  return { ...made, value: made.text !== '' && Number.isFinite(number) ? number : undefined };
+/* A cell sorts by its number, if its text is one. `links`: text -> what it is a link to. */
+const cell = (value, links) => {
+  const made = typeof value === 'string' ? { text: value } : value, number = Number(made.text), to = links.get(made.text);
+  return { ...made, value: made.text !== '' && Number.isFinite(number) ? number : undefined, children: to && h('a', { href: to }, made.text) };
 };
 
-function drawTable(block) {
-  return table({ caption: block.caption, columns: block.columns, most: 60, rows: block.rows.map((row) => row.filter((c) => c !== null).map(cell)) });
+/* A column of long texts is wide. */
+function drawTable({ caption, columns, most, rows }, links) {
+  const isWide = (i) => !columns[i].right && rows.some((row) => (row[i]?.text ?? row[i] ?? '').length > 40);
+  return table({ caption, columns: columns.map((column, i) => ({ ...column, wide: isWide(i) })), most: most || 60, rows: rows.map((row) => row.filter((c) => c !== null).map((c) => cell(c, links))) });
 }
 
 /* Marks of each kind of plot. */
@@ -43,7 +44,7 @@ function drawPlot(block) {
 }
 
 /* Items that follow each other are one list. */
-function drawBlocks(blocks) {
+function drawBlocks(blocks, links) {
   const parts = [];
   let list = null;
   for (const block of blocks) {
@@ -54,12 +55,12 @@ function drawBlocks(blocks) {
     } else if (block.text !== undefined) {
       parts.push(p(block.text));
     } else {
-      parts.push(block.kind === undefined ? drawTable(block) : drawPlot(block));
+      parts.push(block.kind === undefined ? drawTable(block, links) : drawPlot(block));
     }
   }
   return parts;
 }
 
-export function documentPage(document) {
-  return { title: document.title, lead: '', parts: document.sections.map((part, i) => section(`${slug(part.title)}-${i}`, part.title, drawBlocks(part.blocks))) };
+export function documentPage(document, links = new Map()) {
+  return { title: document.title, lead: '', parts: document.sections.map((part, i) => section(`${slug(part.title)}-${i}`, part.title, drawBlocks(part.blocks, links))) };
 }

@@ -50,13 +50,14 @@ function fillLater(cases) {
 function report(all) {
   const styles = stylesOf(all.engines);
   const from = all.provenance;
-  header('Plumb report', [plural(all.runs, 'run'), (from.last ?? '').slice(0, 10), from.Plumb.length > 0 ? `plumb ${from.Plumb.join(', ')}` : ''].filter(Boolean).join(' · '));
+  header('Plumb report', [plural(all.runs, 'run'), (from.last ?? '').slice(0, 10), `plumb ${about.once(from.Plumb).join(', ')}`].filter(Boolean).join(' · '));
   if (all.cases.length === 0) {
     main.append(h('p', {}, 'There are no results.'));
     return;
   }
   const cases = all.cases.map((_, i) => scenario(all, i, styles, whenNear));
-  const parts = [overview(all, styles), ...cases, about.findings(all), about.stepping(all), about.home(all), about.settings(all), about.words(all), about.fairness(), about.metrics(all.metrics), about.provenance(all), about.licences()].filter(Boolean);
+  const said = documentPage(all.document, new Map(all.cases.map((test, i) => [test.name, `#case-${i}`])));
+  const parts = [overview(all, styles), ...cases, ...said.parts, about.words(all), about.fairness(), about.metrics(all.metrics), about.provenance(all), about.licences()].filter(Boolean);
   main.append(...parts);
   contents(parts, cases, 'Scenarios');
   if (cases.length <= 40) fillLater(cases);

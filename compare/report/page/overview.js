@@ -65,12 +65,23 @@ function matrixCell(report, test, index, least) {
       h('small', {}, [said || (word && error !== null ? digits(error, 2) : ''), cost].filter(Boolean).flatMap((text) => [h('span', {}, text), ' ']), '\u00a0')] };
 }
 
-function sentences(report) {
-  const engines = report.engines.map((engine, index) => ({ ...engine, index })).sort((a, b) => a.rank - b.rank)
-    .filter(({ counts }) => counts.accurate + counts.inaccurate + counts.failed + counts.unsupported > 0);
-  return h('ul', { class: 'sentences' }, engines.map(({ name, counts, index }) => {
-    const total = counts.accurate + counts.inaccurate + counts.failed + counts['not judged'] + counts.unsupported;
-    const rest = ['inaccurate', 'failed', 'not judged', 'unsupported'].filter((k) => counts[k] > 0).map((k) => `${counts[k]} ${k}`);
+const verdicts = ['accurate', 'inaccurate', 'failed', 'not judged', 'unsupported'];
+const verdictOf = (cell) => ({ ok: 'accurate', poor: 'inaccurate', bad: 'failed', none: 'unsupported' })[cell.style] ?? 'not judged';
+
+/* The engines that were run with the counts of their verdicts: the most accurate first, then the fewest failed, then the fewest inaccurate. */
+function ranking(report) {
+  const engines = report.engines.map(({ name }, index) => {
+    const cells = report.cases.map((test) => test.cells[index]).filter((cell) => cell !== null);
+    return { name, index, total: cells.length, counts: Object.fromEntries(verdicts.map((verdict) => [verdict, cells.filter((cell) => verdictOf(cell) === verdict).length])) };
+  });
+  const keys = ({ counts, name }) => [-counts.accurate, counts.failed, counts.inaccurate, name];
+  const order = (a, b) => { const i = keys(a).findIndex((key, k) => key !== keys(b)[k]); return i < 0 ? 0 : keys(a)[i] < keys(b)[i] ? -1 : 1; };
+  return engines.filter(({ total }) => total > 0).sort(order);
+}
+
+function sentences(report, engines) {
+  return h('ul', { class: 'sentences' }, engines.map(({ name, index, total, counts }) => {
+    const rest = verdicts.slice(1).filter((k) => counts[k] > 0).map((k) => `${counts[k]} ${k}`);
     const odd = report.cases.map((test) => test.cells[index] && remark(test, test.cells[index])).filter(Boolean);
     const still = odd.filter((text) => text === 'never moves').length, deep = odd.length - still;
     const said = [still > 0 ? `nothing moves in ${still}` : '', deep > 0 ? `deep overlaps in ${deep}` : ''].filter(Boolean);
@@ -139,9 +150,10 @@ function speedError(report, styles) {
 
 export function overview(report, styles) {
   const reference = report.reference?.sentences ?? [];
-  const judged = report.engines.some((e) => e.counts.accurate + e.counts.inaccurate + e.counts.failed > 0);
+  const engines = ranking(report);
+  const judged = engines.some(({ counts }) => counts.accurate + counts.inaccurate + counts.failed > 0);
   const part = section('overview', `${plural(report.cases.length, 'scenario')}, ${plural(report.engines.length, 'engine configuration')}`,
-    sentences(report),
+    sentences(report, engines),
     reference.length > 0 ? h('ul', { class: 'sentences reference' }, reference.map((s) => h('li', {}, `${s}.`))) : null,
     judged || reference.length > 0 ? null : p('No run was judged: the scenes state no expected result.', 'note'),
     report.several_hosts ? h('p', { class: 'warn' }, 'These runs come from several machines: their times cannot be compared with each other.') : null,
