@@ -61,7 +61,7 @@ void pl_document_table(pl_document *document, const char *caption, pl_table *tab
 
 json_t *pl_plot_make(pl_plot_kind kind, const char *caption, const char *x, const char *y)
 {
-    static const char *const names[] = {"intervals", "samples", "points"};
+    static const char *const names[] = {"intervals", "samples", "points", "fronts", "counts"};
     return json_pack("{s:s, s:s, s:s, s:s?, s:n, s:[]}", "kind", names[kind], "caption", caption,
                      "x", x, "y", y, "rule", "rows");
 }
@@ -135,6 +135,10 @@ static void write_block(const pl_block *block, int width, pl_text_buffer *out)
         pl_table table = block->table;
         table.line_width = width;
         pl_table_write(&table, width > 0 ? PL_TABLE_TEXT : PL_TABLE_MARKDOWN_PADDED, out);
+        if (table.last > 0 && table.last < pl_table_rows(&table)) {
+            pl_text_format(out, "%sand %d more\n", width > 0 ? "" : "\n",
+                           pl_table_rows(&table) - table.last);
+        }
         break;
     }
     case PL_BLOCK_PLOT:

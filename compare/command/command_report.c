@@ -4,9 +4,9 @@
 #include "figure.h"
 #include "report/report.h"
 #include "report/study_page.h"
-#include "report/sweep_report.h"
 #include "results/result.h"
 #include "results/store.h"
+#include "studies/sweep/analysis.h"
 #include "studies/sweep/shard_merge.h"
 #include "study_command.h"
 #include "study_list.h"
@@ -81,21 +81,6 @@ static pl_status check_file(const pl_request *request, bool is_own, const char *
     return status;
 }
 
-/* Whether an engine has several points on a scene: other settings or time steps. */
-static bool is_sweep(const pl_sweep_analysis *analysis)
-{
-    for (int i = 0; i < analysis->scene_count; ++i) {
-        for (int k = 0; k < analysis->engine_count; ++k) {
-            const pl_sweep_curve *curve = &analysis->scenes[i].curves[k];
-            if (analysis->engines[k].kind == PL_SWEEP_PROFILE &&
-                curve->ok + curve->failed + curve->unmeasured > 1) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
 static pl_status build_table(const pl_request *request, const pl_merge *merge, bool has_changes,
                              pl_result_table *results, pl_error *error)
 {
@@ -106,23 +91,19 @@ static pl_status build_table(const pl_request *request, const pl_merge *merge, b
     return pl_result_table_build(&def, results, error);
 }
 
-/* Of a sweep, who is faster at the same error. */
+/* Of a sweep, where an engine has several points on a scene, who is faster at the same error. */
 static pl_status analyse(const pl_request *request, const pl_merge *merge, pl_error *error)
 {
     pl_result_table results;
-    pl_sweep_analysis analysis = {.results = NULL};
     pl_status status = build_table(request, merge, true, &results, error);
-    if (status == PL_OK) {
-        pl_sweep_analyse(&results, &analysis);
-    }
-    if (status == PL_OK && is_sweep(&analysis)) {
-        status = pl_sweep_report_write(request->out, &analysis, error);
+    json_t *conclusion = status == PL_OK ? pl_sweep_conclude(&results) : NULL;
+    if (pl_sweep_has_settings(conclusion)) {
+        status = pl_study_write(request, &pl_sweep_study, conclusion, error);
         if (status == PL_OK) {
-            pl_sweep_report_print(stdout, &analysis);
             pl_print_line(stderr, "speed against error is in %s/sweep.html", request->out);
         }
     }
-    pl_sweep_analysis_free(&analysis);
+    json_decref(conclusion);
     pl_result_table_free(&results);
     return status;
 }
@@ -178,6 +159,9 @@ static pl_status conclude_studies(const pl_request *request, const pl_merge *mer
     int count = 0;
     const pl_study *const *studies = pl_studies(&count);
     for (int i = 0; i < count && status == PL_OK; ++i) {
+        if (studies[i]->conclude == NULL) {
+            continue;
+        }
         const pl_result_table_def def = {.files = merge->sources,
                                          .file_count = merge->source_count,
                                          .study = studies[i]->name,

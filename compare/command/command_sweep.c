@@ -3,13 +3,14 @@
 #include "base/array.h"
 #include "base/folding.h"
 #include "base/heap.h"
-#include "report/sweep_report.h"
 #include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
+#include "studies/sweep/analysis.h"
 #include "studies/sweep/grid.h"
 #include "studies/sweep/pruning.h"
 #include "studies/sweep/shard_merge.h"
+#include "study_command.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -108,26 +109,21 @@ static pl_status open_store(const options *o, bool is_shard, const char *folder,
     return status == PL_OK ? pl_store_open(folder, mode, report_files, &k->store, error) : status;
 }
 
-/* The analysis of all that is there: files, then tables on standard output, unless the JSON is
- * there. */
-static pl_status analyse(const options *o, const pl_merge *merge, pl_error *error)
+/* The conclusion from all that is there. */
+static pl_status conclude(const options *o, const pl_merge *merge, pl_error *error)
 {
     const pl_result_table_def def = {.files = merge->sources,
                                      .file_count = merge->source_count,
                                      .has_changes = true,
                                      .home = o->request.home};
     pl_result_table results;
-    pl_sweep_analysis analysis = {.results = NULL};
     pl_status status = pl_result_table_build(&def, &results, error);
     if (status == PL_OK) {
         pl_result_table_print_left_out(&results, stderr);
-        pl_sweep_analyse(&results, &analysis);
-        status = pl_sweep_report_write(o->request.out, &analysis, error);
+        json_t *conclusion = pl_sweep_conclude(&results);
+        status = pl_study_write(&o->request, &pl_sweep_study, conclusion, error);
+        json_decref(conclusion);
     }
-    if (status == PL_OK && !pl_is_stdout(o->request.json)) {
-        pl_sweep_report_print(stdout, &analysis);
-    }
-    pl_sweep_analysis_free(&analysis);
     pl_result_table_free(&results);
     return status;
 }
@@ -142,7 +138,7 @@ static pl_status deliver(const options *o, keeper *k, bool is_shard, const char 
         char *path = pl_heap_format("%s/results.jsonl", folder);
         pl_merge_add_results(&k->before, path, made);
         free(path);
-        status = analyse(o, &k->before, error);
+        status = conclude(o, &k->before, error);
     }
     if (status == PL_OK) {
         const size_t count = json_array_size(made);

@@ -302,19 +302,24 @@ static void test_profile_by_hand(void **state)
     }
     add_sweep_run(results, (sweep_run){.scenario = "e", "plumb:p", 1, 1e-3}); /* not run on ode */
     pl_sweep_analysis analysis = analysis_of(results);
-    const pl_sweep_profile *profile = &analysis.profiles[PL_SWEEP_MATCHED_LEVEL];
-    int ours = engine_named(&analysis, "plumb"), ode = engine_named(&analysis, "ode");
-    assert_int_equal(profile->kind, PL_SWEEP_WHOLE);
-    assert_int_equal(profile->scenes, 4);
-    static const struct {
-        double tau, ours, theirs;
-    } shares[] = {
-        {1, 0.5, 0.25}, {1.9, 0.5, 0.25}, {2, 0.5, 0.5}, {3, 0.75, 0.5}, {1e9, 0.75, 0.5}};
-    for (int i = 0; i < 5; ++i) {
-        assert_close(pl_sweep_share(&analysis, profile, ours, shares[i].tau), shares[i].ours, 0, 0);
-        assert_close(pl_sweep_share(&analysis, profile, ode, shares[i].tau), shares[i].theirs, 0,
-                     0);
+    json_t *json = pl_sweep_to_json(&analysis);
+    const json_t *profile =
+        json_array_get(json_object_get(json, "profiles"), PL_SWEEP_MATCHED_LEVEL);
+    static const char *const names[] = {"plumb", "ode"};
+    static const double ratios[2][3] = {{1, 1, 3}, {1, 2}}; /* c: ours alone, d: neither */
+    assert_true(json_is_true(json_object_get(profile, "all_profiles")));
+    assert_int_equal(json_integer_value(json_object_get(profile, "scenes")), 4);
+    for (size_t i = 0; i < 2; ++i) {
+        const json_t *engine = json_array_get(json_object_get(profile, "engines"), i);
+        const json_t *found = json_object_get(engine, "ratios");
+        assert_int_equal(json_integer_value(json_object_get(engine, "engine")),
+                         engine_named(&analysis, names[i]));
+        assert_int_equal(json_array_size(found), 3 - i);
+        for (size_t k = 0; k < 3 - i; ++k) {
+            assert_close(json_number_value(json_array_get(found, k)), ratios[i][k], 0, 0);
+        }
     }
+    json_decref(json);
     finish_sweep(&analysis, results);
 }
 

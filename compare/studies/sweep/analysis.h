@@ -10,6 +10,7 @@
 #define PLUMB_SWEEP_ANALYSIS_H
 
 #include "results/result_table.h"
+#include "studies/study.h"
 
 #include <stdint.h>
 
@@ -153,37 +154,6 @@ typedef struct pl_sweep_loss {
     bool within_noise;       /* the interval contains 1; without one, the ratio is above 0.9 */
 } pl_sweep_loss;
 
-/* Whether an order of convergence was found, and if not, why. */
-typedef enum pl_sweep_order_kind {
-    PL_SWEEP_ORDER_FOUND,
-    PL_SWEEP_ORDER_TOO_FEW,        /* fewer than 3 time steps have an error above the floor */
-    PL_SWEEP_ORDER_EXACT,          /* all errors are at the floor */
-    PL_SWEEP_ORDER_NOT_CONVERGING, /* no 3 time steps in a row over which it converges */
-} pl_sweep_order_kind;
-
-/* How fast the error falls with the time step: the slope of log error over log dt, by least squares
- * over the converging part. */
-typedef struct pl_sweep_order {
-    int scene, engine; /* of a profile */
-    int first;         /* a point of the series */
-    pl_sweep_order_kind kind;
-    double order;
-    double deviation;       /* root mean square of the fit, decades of error */
-    double dt_low, dt_high; /* s: the range used */
-    int used, total;        /* time steps: in the fit, and run */
-} pl_sweep_order;
-
-/* Dolan and More 2002: for each engine the costs that reach the level over the least cost of all
- * engines that do. The share of scenes solved within a factor tau of the best is the number of
- * ratios up to tau over `scenes`. */
-typedef struct pl_sweep_profile {
-    int level;
-    pl_sweep_kind kind; /* WHOLE or PROFILE */
-    int scenes;         /* on which all these engines were run */
-    int *counts;        /* (engine_count): ratios of each; 0 for those of the other kind */
-    double *ratios;     /* (engine_count x scene_count): engine by engine, ascending, >= 1 */
-} pl_sweep_profile;
-
 /* The analysis of the results of a sweep. `results` is borrowed, the arrays are owned. */
 typedef struct pl_sweep_analysis {
     const pl_result_table *results;
@@ -203,12 +173,8 @@ typedef struct pl_sweep_analysis {
     int loss_count;
     int fine_losses; /* of those up to 1e-3 */
     int compared;    /* scene, pair with the home engine and level, where one or both are there */
-    pl_sweep_order *orders;
-    int order_count;
-    pl_sweep_profile *profiles; /* whole engines by level, then profiles by level */
-    int profile_count;
-    int run_count;       /* rows, doubles left out */
-    int unjudged;        /* scenes without a primary error: their points are unmeasured */
+    int run_count;   /* rows, doubles left out */
+    int unjudged;    /* scenes without a primary error: their points are unmeasured */
     bool several_hosts;  /* rows come from different processors */
     bool several_builds; /* rows come from different builds or versions of one engine */
 } pl_sweep_analysis;
@@ -229,12 +195,16 @@ int pl_sweep_curve_settings(const pl_sweep_curve *curve);
 /* The engine was run on the scene, with any outcome. */
 bool pl_sweep_curve_was_run(const pl_sweep_curve *curve);
 
-/* The share of a profile's scenes that an engine solves within a factor tau of the best, 0 .. 1;
- * NAN where there is no scene. */
-double pl_sweep_share(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
-                      int engine, double tau);
-
 /* The analysis as one JSON object, plumb.sweep/2 (SCHEMA.md): a new reference. */
 json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis);
+
+/* The same of a table: the conclusion of the study. A new reference. */
+json_t *pl_sweep_conclude(const pl_result_table *results);
+
+/* Whether a profile has several points on a scene of the conclusion: other settings or time steps. */
+bool pl_sweep_has_settings(const json_t *conclusion);
+
+/* The study, whose runs are results of no study: pl_sweep_conclude concludes from them. */
+extern const pl_study pl_sweep_study;
 
 #endif

@@ -51,7 +51,25 @@ void pl_list_losses(pl_sweep_analysis *analysis);
 
 /* ---- Observed orders of convergence ---- */
 
-/* Fills kind, order, deviation, range and counts of *order from time steps dt (s, falling) and
+/* Whether an order of convergence was found, and if not, why. */
+typedef enum pl_sweep_order_kind {
+    PL_SWEEP_ORDER_FOUND,
+    PL_SWEEP_ORDER_TOO_FEW,        /* fewer than 3 time steps have an error above the floor */
+    PL_SWEEP_ORDER_EXACT,          /* all errors are at the floor */
+    PL_SWEEP_ORDER_NOT_CONVERGING, /* no 3 time steps in a row over which it converges */
+} pl_sweep_order_kind;
+
+/* How fast the error falls with the time step: the slope of log error over log dt, by least squares
+ * over the converging part. */
+typedef struct pl_sweep_order {
+    pl_sweep_order_kind kind;
+    double order;
+    double deviation;       /* root mean square of the fit, decades of error */
+    double dt_low, dt_high; /* s: the range used */
+    int used, total;        /* time steps: in the fit, and run */
+} pl_sweep_order;
+
+/* Fills *order from time steps dt (s, falling) and
  * their errors (NAN: none; not below the floor).
  *
  * The converging part is the longest segment of neighbouring time steps in which the error is above
@@ -60,7 +78,7 @@ void pl_list_losses(pl_sweep_analysis *analysis);
  * there the steps are still too large, or something other than the step limits the error. */
 void pl_order_fit(const double *dt, const double *error, int count, pl_sweep_order *order);
 
-/* Finds the orders of all series of two time steps or more. */
-void pl_orders_find(pl_sweep_analysis *analysis);
+/* The orders of all series of two time steps or more with an error, as in plumb.sweep/2. */
+json_t *pl_orders_find(const pl_sweep_analysis *analysis);
 
 #endif
