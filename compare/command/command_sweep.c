@@ -55,7 +55,7 @@ typedef struct keeper {
     json_t *provenance;
     pl_store *store;
     pl_merge before; /* what was there, of this shard and others */
-    pl_repeats repeats;
+    pl_pruning pruning;
 } keeper;
 
 /* What another shard has, or has been too slow, is not made. */
@@ -63,14 +63,14 @@ static bool skip(void *user, const char *run)
 {
     const keeper *k = user;
     return pl_store_find(k->store, run) == NULL &&
-           (json_object_get(k->before.runs, run) != NULL || pl_repeats_spare(&k->repeats, run));
+           (json_object_get(k->before.runs, run) != NULL || pl_pruning_spares(&k->pruning, run));
 }
 
 static pl_status keep_one(void *user, json_t *result, pl_error *error)
 {
     keeper *k = user;
     const char *run = pl_json_get_text(result, "run");
-    pl_repeats_see(&k->repeats, result);
+    pl_pruning_see(&k->pruning, result);
     return pl_store_find(k->store, run) != NULL || json_object_get(k->before.runs, run) != NULL
                ? PL_OK
                : pl_store_append(k->store, result, error);
@@ -79,8 +79,8 @@ static pl_status keep_one(void *user, json_t *result, pl_error *error)
 static pl_status take(void *user, json_t *result, pl_error *error)
 {
     keeper *k = user;
-    pl_repeats_see(&k->repeats, result);
-    return pl_prune_timeouts(k->plan, result, k->provenance, k, keep_one, error);
+    pl_pruning_see(&k->pruning, result);
+    return pl_prune_timeouts(&k->pruning, result, k->provenance, k, keep_one, error);
 }
 
 /* What earlier runs left is read before the store is open: a lock of fcntl(2) ends when any
@@ -104,7 +104,7 @@ static pl_status open_store(const options *o, bool is_shard, const char *folder,
                     o->request.out);
     }
     for (size_t i = 0; status == PL_OK && i < json_array_size(k->before.results); ++i) {
-        pl_repeats_see(&k->repeats, json_array_get(k->before.results, i));
+        pl_pruning_see(&k->pruning, json_array_get(k->before.results, i));
     }
     return status == PL_OK ? pl_store_open(folder, mode, report_files, &k->store, error) : status;
 }
@@ -161,7 +161,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
     int signal_number = 0;
     int code = PL_EXIT_OK;
     pl_status status = PL_OK;
-    pl_repeats_begin(&k.repeats, plan, o->repeat_below);
+    pl_pruning_begin(&k.pruning, plan, o->repeat_below);
     if (status == PL_OK) {
         status = open_store(o, is_shard, folder, &k, &error);
     }
@@ -186,7 +186,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
         code = pl_results_all_unsupported(pl_store_results(k.store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     }
     pl_merge_free(&k.before);
-    pl_repeats_free(&k.repeats);
+    pl_pruning_free(&k.pruning);
     json_decref(k.provenance);
     return pl_call_end_store(call, k.store, folder, status, &error, signal_number, code);
 }
