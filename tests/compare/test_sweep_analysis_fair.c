@@ -107,8 +107,8 @@ static void test_factor_as_shipped_and_at_the_best(void **state)
     assert_true(pair->shipped >= 0);
     const pl_pairwise_comparison *best = comparison_with(&analysis, "ode");
     const pl_pairwise_comparison *shipped = &analysis.scenes[0].comparisons[pair->shipped];
-    assert_close(best->speed[AT_1E_3].value, 1.5, 0, 1e-12);
-    assert_close(shipped->speed[AT_1E_3].value, 3, 0, 1e-12);
+    assert_close(best->ratios[PL_SPEED + AT_1E_3].value, 1.5, 0, 1e-12);
+    assert_close(shipped->ratios[PL_SPEED + AT_1E_3].value, 3, 0, 1e-12);
     assert_close(pair->mean[AT_1E_3].value, 1.5, 0, 1e-12);
     assert_close(analysis.pairs[pair->shipped].mean[AT_1E_3].value, 3, 0, 1e-12);
     json_t *json = pl_sweep_to_json(&analysis);

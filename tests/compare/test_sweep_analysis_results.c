@@ -163,8 +163,8 @@ static void test_error_below_the_floor_counts_as_the_floor(void **state)
     assert_int_equal(analysis.scenes[0].curves[0].front_count, 1); /* the cheaper of the two */
     const pl_pairwise_comparison *comparison = comparison_with(&analysis, "ode");
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k)
-        assert_close(comparison->speed[k].value, 5, 0, 0);
-    assert_close(comparison->exactness[PL_SWEEP_TIMES - 1].value, 1, 0, 0);
+        assert_close(comparison->ratios[PL_SPEED + k].value, 5, 0, 0);
+    assert_close(comparison->ratios[PL_EXACTNESS + PL_SWEEP_TIMES - 1].value, 1, 0, 0);
     finish_sweep(&analysis, results);
 }
 

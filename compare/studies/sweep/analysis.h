@@ -77,6 +77,8 @@ typedef struct pl_sweep_point {
 typedef struct pl_sweep_engine {
     char name[128]; /* "ode", "ode:quick" */
     bool is_home;   /* all of its configurations are of the home engine */
+    bool
+        is_first; /* it is compared with others of its kind as the first of a pair: a home engine, or each where its kind has none */
     pl_sweep_kind kind;
     /* Of a profile with a run whose conformance is not known to have passed: its SPEC, borrowed from
      * the results. NULL: passed. */
@@ -108,18 +110,25 @@ typedef struct pl_sweep_ratio {
     double value, low, high;
 } pl_sweep_ratio;
 
+/* Places of ratios of two engines: cost at error, by level, and error at cost, by time, the second over the first. They
+ * are of the cheapest points at or below the error, and of the most exact ones that cost no more; those between are
+ * interpolated linearly in the logarithms between points, where the error, or cost, lies within both fronts. */
+enum {
+    PL_SPEED = 0,
+    PL_SPEED_BETWEEN = PL_SPEED + PL_SWEEP_LEVELS,
+    PL_EXACTNESS = PL_SPEED_BETWEEN + PL_SWEEP_LEVELS,
+    PL_EXACTNESS_BETWEEN = PL_EXACTNESS + PL_SWEEP_TIMES,
+    PL_READINGS = PL_EXACTNESS_BETWEEN + PL_SWEEP_TIMES
+};
+
 /* Two engines on one scene. */
 typedef struct pl_pairwise_comparison {
     bool run; /* both were run and there is a primary error; else the other fields are undefined */
     pl_attained_by at_error[PL_SWEEP_LEVELS]; /* who has a point at or below the error */
     pl_attained_by at_cost[PL_SWEEP_TIMES];   /* who has a point that costs no more */
-    /* Cost at error, the second over the first: of the cheapest points at or below the error, and
-     * interpolated between points, linearly in the logarithms, where the error lies within both
-     * fronts. */
-    pl_sweep_ratio speed[PL_SWEEP_LEVELS], speed_between[PL_SWEEP_LEVELS];
-    double instructions[PL_SWEEP_LEVELS]; /* as `speed`; NAN: not counted */
-    /* Error at cost, the second over the first, in the same way. */
-    pl_sweep_ratio exactness[PL_SWEEP_TIMES], exactness_between[PL_SWEEP_TIMES];
+    pl_sweep_ratio ratios[PL_READINGS];
+    double instructions
+        [PL_SWEEP_LEVELS]; /* the second over the first, of the points of PL_SPEED; NAN: not counted */
 } pl_pairwise_comparison;
 
 /* A scene with its points, cost-error curves and pairwise comparisons. */
@@ -139,7 +148,7 @@ typedef struct pl_sweep_pair {
     int first, second;
     int shipped; /* of two whole engines: the pair of both as shipped; -1: none */
     /* Over all scenes on which both were run, by level. */
-    pl_sweep_ratio mean[PL_SWEEP_LEVELS]; /* geometric mean of `speed`, of scenes both reached */
+    pl_sweep_ratio mean[PL_SWEEP_LEVELS]; /* geometric mean of PL_SPEED, of scenes both reached */
     int both[PL_SWEEP_LEVELS], first_only[PL_SWEEP_LEVELS], second_only[PL_SWEEP_LEVELS];
     int scenes;
 } pl_sweep_pair;

@@ -135,12 +135,13 @@ static json_t *curve_json(const pl_sweep_analysis *analysis, const pl_sweep_curv
 static json_t *level_json(const pl_sweep_scene *scene, const pl_sweep_pair *pair, int index, int k)
 {
     const pl_pairwise_comparison *comparison = &scene->comparisons[index];
-    return json_pack(
-        "{s:o, s:o, s:o, s:o, s:o, s:o}", "reached", attained_json(comparison->at_error[k]),
-        "first_point", place(scene->curves[pair->first].cheapest[k]), "second_point",
-        place(scene->curves[pair->second].cheapest[k]), "speed", ratio_json(&comparison->speed[k]),
-        "speed_between", ratio_json(&comparison->speed_between[k]), "instructions",
-        number(comparison->instructions[k]));
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "reached",
+                     attained_json(comparison->at_error[k]), "first_point",
+                     place(scene->curves[pair->first].cheapest[k]), "second_point",
+                     place(scene->curves[pair->second].cheapest[k]), "speed",
+                     ratio_json(&comparison->ratios[PL_SPEED + k]), "speed_between",
+                     ratio_json(&comparison->ratios[PL_SPEED_BETWEEN + k]), "instructions",
+                     number(comparison->instructions[k]));
 }
 
 static json_t *times_json(const pl_pairwise_comparison *comparison)
@@ -149,10 +150,11 @@ static json_t *times_json(const pl_pairwise_comparison *comparison)
     for (int k = 0; k < PL_SWEEP_TIMES; ++k) {
         if (comparison->at_cost[k] != PL_ATTAINED_BY_NEITHER) {
             json_array_append_new(
-                times, json_pack("{s:f, s:o, s:o, s:o}", "time", pl_sweep_times[k], "reached",
-                                 attained_json(comparison->at_cost[k]), "exactness",
-                                 ratio_json(&comparison->exactness[k]), "exactness_between",
-                                 ratio_json(&comparison->exactness_between[k])));
+                times,
+                json_pack("{s:f, s:o, s:o, s:o}", "time", pl_sweep_times[k], "reached",
+                          attained_json(comparison->at_cost[k]), "exactness",
+                          ratio_json(&comparison->ratios[PL_EXACTNESS + k]), "exactness_between",
+                          ratio_json(&comparison->ratios[PL_EXACTNESS_BETWEEN + k])));
         }
     }
     return times;

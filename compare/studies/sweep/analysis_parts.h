@@ -27,11 +27,10 @@ double pl_front_cost_at_error(const pl_sweep_sample *front, int count, double er
 /* The error at a cost, interpolated in the same way; NAN outside of the front. */
 double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double cost);
 
-/* A front read at all levels and times; NAN where it has no value. `cost` and `error` are of its
- * samples, the others are interpolated. */
+/* A front read at all levels and times, at the places of its ratios (PL_SPEED ...): costs and errors of its samples,
+ * and interpolated ones. NAN where it has no value. */
 typedef struct pl_front_reading {
-    double cost[PL_SWEEP_LEVELS], cost_between[PL_SWEEP_LEVELS];
-    double error[PL_SWEEP_TIMES], error_between[PL_SWEEP_TIMES];
+    double at[PL_READINGS];
 } pl_front_reading;
 
 /* Reads a front of `count` samples at all levels and times of a sweep. */
