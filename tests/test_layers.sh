@@ -55,7 +55,7 @@ compare/studies/reference:   HARNESS adapters engines metrics results runner ens
 compare/studies/metamorphic: HARNESS engines geometry results runner compare/studies
 compare/studies/iterations:  HARNESS adapters engines metrics results runner compare/studies
 compare/gate:                HARNESS metrics results
-compare/report:              HARNESS metrics results sweep
+compare/report:              HARNESS metrics results
 compare/command:             HARNESS engine/include adapters engines metrics results runner STUDIES conformance gate report
 compare:                     command compare/base
 '

@@ -67,7 +67,7 @@ void pl_document_table(pl_document *document, const char *caption, pl_table *tab
 
 json_t *pl_plot_make(pl_plot_kind kind, const char *caption, const char *x, const char *y)
 {
-    static const char *const names[] = {"intervals", "samples", "points"};
+    static const char *const names[] = {"intervals", "samples", "points", "fronts", "counts"};
     return json_pack("{s:s, s:s, s:s, s:s?, s:n, s:[]}", "kind", names[kind], "caption", caption,
                      "x", x, "y", y, "rule", "rows");
 }

@@ -70,7 +70,9 @@ void pl_document_table(pl_document *document, const char *caption, pl_table *tab
 typedef enum pl_plot_kind {
     PL_PLOT_INTERVALS, /* numbers low, value, high along x: a bar with a dot */
     PL_PLOT_SAMPLES,   /* any numbers along x: their quartiles and dots */
-    PL_PLOT_POINTS     /* numbers x, y, x, y ...: dots */
+    PL_PLOT_POINTS,    /* numbers x, y, x, y ...: dots */
+    PL_PLOT_FRONTS, /* the same, and a line through those that no other of the row is below and left of */
+    PL_PLOT_COUNTS /* ascending numbers along x from 1 to 100: how many there are up to x, as steps */
 } pl_plot_kind;
 
 /* A plot without rows. `x` and `y` name the axes with their units; y NULL: rows stand below each other. */

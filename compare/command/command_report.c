@@ -4,9 +4,9 @@
 #include "figure.h"
 #include "report/report.h"
 #include "report/study_page.h"
-#include "report/sweep_report.h"
 #include "results/result.h"
 #include "results/store.h"
+#include "studies/sweep/analysis.h"
 #include "studies/sweep/shard_merge.h"
 #include "study_command.h"
 
@@ -87,23 +87,6 @@ static void check_file(making *m, bool is_own, const char *file)
     free(path);
 }
 
-/* ---- The report of results ---- */
-
-/* Whether an engine has several points on a scene: other settings or time steps. */
-static bool is_sweep(const pl_sweep_analysis *analysis)
-{
-    for (int i = 0; i < analysis->scene_count; ++i) {
-        for (int k = 0; k < analysis->engine_count; ++k) {
-            const pl_sweep_curve *curve = &analysis->scenes[i].curves[k];
-            if (analysis->engines[k].kind == PL_SWEEP_PROFILE &&
-                curve->ok + curve->failed + curve->unmeasured > 1) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
 static pl_result_table build_table(making *m, bool has_changes)
 {
     const pl_result_table_def def = {.files = m->merge.sources,
@@ -115,18 +98,16 @@ static pl_result_table build_table(making *m, bool has_changes)
     return results;
 }
 
-/* Of a sweep, who is faster at the same error. */
+/* Of a sweep, where an engine has several points on a scene, who is faster at the same error. */
 static void analyse(making *m)
 {
     pl_result_table results = build_table(m, true);
-    pl_sweep_analysis analysis = {.results = NULL};
-    pl_sweep_analyse(&results, &analysis);
-    if (is_sweep(&analysis)) {
-        need(m, pl_sweep_report_write(m->request->out, &analysis, &m->error));
-        pl_sweep_report_print(stdout, &analysis);
+    json_t *conclusion = pl_sweep_conclude(&results);
+    if (pl_sweep_has_settings(conclusion)) {
+        need(m, pl_study_write(m->request, &pl_sweep_study, conclusion, &m->error));
         pl_print_line(stderr, "speed against error is in %s/sweep.html", m->request->out);
     }
-    pl_sweep_analysis_free(&analysis);
+    json_decref(conclusion);
     pl_result_table_free(&results);
 }
 
@@ -176,6 +157,9 @@ static void conclude_studies(making *m)
     int count = 0;
     const pl_study *const *studies = pl_studies(&count);
     for (int i = 0; i < count; ++i) {
+        if (studies[i]->conclude == NULL) {
+            continue;
+        }
         const pl_result_table_def def = {.files = m->merge.sources,
                                          .file_count = m->merge.source_count,
                                          .study = studies[i]->name,

@@ -3,19 +3,21 @@
 #include "base/array.h"
 #include "base/folding.h"
 #include "base/heap.h"
-#include "report/sweep_report.h"
 #include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
+#include "studies/sweep/analysis.h"
 #include "studies/sweep/grid.h"
 #include "studies/sweep/pruning.h"
 #include "studies/sweep/shard_merge.h"
+#include "study_command.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct options {
+/* The options, and what becomes of them. */
+typedef struct sweep {
     pl_request request;
     pl_vary *varied;
     int varied_count;
@@ -24,189 +26,51 @@ typedef struct options {
     int changes;         /* --changes; -1: not given */
     double repeat_below; /* s of CPU time; -1: not given */
     const char *list;    /* --plan; NULL: none */
-    const char *shard;   /* --shard; NULL: from the environment */
-} options;
+    const char *asked;   /* --shard; NULL: from the environment */
+
+    pl_shard shard;
+    bool is_shard;
+    char *folder; /* of results.jsonl */
+    pl_plan plan;
+    json_t *provenance;
+    pl_store *store;
+    pl_merge before; /* what was there, of this shard and others */
+    pl_pruning pruning;
+} sweep;
 
 static pl_status add_vary(void *user, const char *text, pl_error *error)
 {
-    options *o = user;
+    sweep *s = user;
     pl_vary vary;
     const pl_status status = pl_vary_parse(text, PL_VARY_VALUES, &vary, error);
     if (status == PL_OK) {
-        pl_push(&o->varied, &o->varied_count, &vary, sizeof vary);
+        pl_push(&s->varied, &s->varied_count, &vary, sizeof vary);
     }
     return status;
 }
 
 static pl_status check(void *user, pl_error *error)
 {
-    const options *o = user;
-    if (o->varied_count > 0 && o->settings > 0) {
+    const sweep *s = user;
+    if (s->varied_count > 0 && s->settings > 0) {
         return pl_fail(error, PL_BAD_INPUT,
                        "--settings belongs to the sweep without --vary, which says what is varied");
     }
     return pl_request_check(user, "name a scenario, a scene file or a --suite", NULL, error);
 }
 
-/* What the callbacks of runs need. */
-typedef struct keeper {
-    const pl_plan *plan;
-    json_t *provenance;
-    pl_store *store;
-    pl_merge before; /* what was there, of this shard and others */
-    pl_repeats repeats;
-} keeper;
+/* ---- The plan ---- */
 
-/* What another shard has, or has been too slow, is not made. */
-static bool skip(void *user, const char *run)
+/* Which shard, and where its results go. */
+static pl_status choose_shard(sweep *s, pl_error *error)
 {
-    const keeper *k = user;
-    return pl_store_find(k->store, run) == NULL &&
-           (json_object_get(k->before.runs, run) != NULL || pl_repeats_spare(&k->repeats, run));
-}
-
-static pl_status keep_one(void *user, json_t *result, pl_error *error)
-{
-    keeper *k = user;
-    const char *run = pl_json_get_text(result, "run");
-    pl_repeats_see(&k->repeats, result);
-    return pl_store_find(k->store, run) != NULL || json_object_get(k->before.runs, run) != NULL
-               ? PL_OK
-               : pl_store_append(k->store, result, error);
-}
-
-static pl_status take(void *user, json_t *result, pl_error *error)
-{
-    keeper *k = user;
-    pl_repeats_see(&k->repeats, result);
-    return pl_prune_timeouts(k->plan, result, k->provenance, k, keep_one, error);
-}
-
-/* What earlier runs left is read before the store is open: a lock of fcntl(2) ends when any
- * descriptor of the file is closed. */
-static pl_status open_store(const options *o, bool is_shard, const char *folder, keeper *k,
-                            pl_error *error)
-{
-    static const char *const report_files[] = {"sweep.html", NULL};
-    const pl_store_mode mode = pl_store_mode_of(o->request.resume, o->request.force);
-    pl_status status = PL_OK;
-    k->before = pl_merge_begin();
-    if (o->request.resume || (!is_shard && !o->request.force)) {
-        status = pl_merge_add_any(&k->before, o->request.out, error);
-    }
-    if (!o->request.resume && (status == PL_BAD_INPUT || json_array_size(k->before.results) > 0)) {
-        status =
-            pl_fail(error, PL_BAD_INPUT,
-                    "%s/results.jsonl, or a shard next to it, has results: --resume keeps them "
-                    "and makes the runs that are missing, --force leaves them out, and --out "
-                    "takes another folder",
-                    o->request.out);
-    }
-    for (size_t i = 0; status == PL_OK && i < json_array_size(k->before.results); ++i) {
-        pl_repeats_see(&k->repeats, json_array_get(k->before.results, i));
-    }
-    return status == PL_OK ? pl_store_open(folder, mode, report_files, &k->store, error) : status;
-}
-
-/* The analysis of all that is there: files, then tables on standard output, unless the JSON is
- * there. */
-static pl_status analyse(const options *o, const pl_merge *merge, pl_error *error)
-{
-    const pl_result_table_def def = {.files = merge->sources,
-                                     .file_count = merge->source_count,
-                                     .has_changes = true,
-                                     .home = o->request.home};
-    pl_result_table results;
-    pl_sweep_analysis analysis = {.results = NULL};
-    pl_status status = pl_result_table_build(&def, &results, error);
-    if (status == PL_OK) {
-        pl_result_table_print_left_out(&results, stderr);
-        pl_sweep_analyse(&results, &analysis);
-        status = pl_sweep_report_write(o->request.out, &analysis, error);
-    }
-    if (status == PL_OK && !pl_is_stdout(o->request.json)) {
-        pl_sweep_report_print(stdout, &analysis);
-    }
-    pl_sweep_analysis_free(&analysis);
-    pl_result_table_free(&results);
+    s->is_shard = true;
+    const pl_status status = s->asked != NULL
+                                 ? pl_shard_parse(s->asked, &s->shard, error)
+                                 : pl_shard_from_environment(&s->shard, &s->is_shard, error);
+    s->folder =
+        s->is_shard ? pl_shard_folder(s->request.out, s->shard) : pl_heap_copy(s->request.out);
     return status;
-}
-
-/* What a process leaves that came to its end. A shard is a part, and says nothing by itself. */
-static pl_status deliver(const options *o, keeper *k, bool is_shard, const char *folder,
-                         pl_error *error)
-{
-    json_t *made = pl_store_results(k->store);
-    pl_status status = pl_results_write_json(o->request.json, made, error);
-    if (status == PL_OK && !is_shard) {
-        char *path = pl_heap_format("%s/results.jsonl", folder);
-        pl_merge_add_results(&k->before, path, made);
-        free(path);
-        status = analyse(o, &k->before, error);
-    }
-    if (status == PL_OK) {
-        const size_t count = json_array_size(made);
-        if (!is_shard) {
-            pl_print_line(stderr, "speed against error is in %s/sweep.html", o->request.out);
-        }
-        pl_print_line(stderr,
-                      "%zu %s in %s/results.jsonl; plumb report %s --out DIR makes a report", count,
-                      count == 1 ? "result is" : "results are", folder, o->request.out);
-    }
-    return status;
-}
-
-/* Runs what is due and delivers. */
-static int execute(const pl_call *call, const options *o, const pl_plan *plan, bool is_shard,
-                   const char *folder)
-{
-    pl_error error = {.message = ""};
-    keeper k = {.plan = plan, .provenance = pl_call_provenance(call)};
-    int signal_number = 0;
-    int code = PL_EXIT_OK;
-    pl_status status = PL_OK;
-    pl_repeats_begin(&k.repeats, plan, o->repeat_below);
-    if (status == PL_OK) {
-        status = open_store(o, is_shard, folder, &k, &error);
-    }
-    if (status == PL_OK) {
-        const pl_execution_def execution = {.plan = plan,
-                                            .jobs = o->request.jobs,
-                                            .limits = o->request.limits,
-                                            .provenance = k.provenance,
-                                            .store = k.store,
-                                            .progress = stderr,
-                                            .user = &k,
-                                            .skip = skip,
-                                            .take = take};
-        pl_request_note_threads(call, plan);
-        status = pl_execute(&execution, &signal_number, &error);
-    }
-    if (status == PL_OK && signal_number == 0) {
-        status = deliver(o, &k, is_shard, folder, &error);
-        if (status == PL_OK) {
-            pl_store_finish(k.store);
-        }
-        code = pl_results_all_unsupported(pl_store_results(k.store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-    }
-    pl_merge_free(&k.before);
-    pl_repeats_free(&k.repeats);
-    json_decref(k.provenance);
-    return pl_call_end_store(call, k.store, folder, status, &error, signal_number, code);
-}
-
-/* Which shard, and where its results go; *folder is malloc'd. */
-static pl_status choose_shard(const options *o, pl_shard *shard, bool *is_shard, char **folder,
-                              pl_error *error)
-{
-    *is_shard = true;
-    pl_status status = o->shard != NULL ? pl_shard_parse(o->shard, shard, error)
-                                        : pl_shard_from_environment(shard, is_shard, error);
-    if (status != PL_OK) {
-        return status;
-    }
-    *folder = *is_shard ? pl_shard_folder(o->request.out, *shard) : pl_heap_copy(o->request.out);
-    return PL_OK;
 }
 
 /* Adds ENGINE:tuned of each engine for which a file of profiles has it. */
@@ -231,106 +95,221 @@ static pl_status add_tuned(pl_plan *base, pl_error *error)
 }
 
 /* The usual sweep varies the time step, and has drawn settings. */
-static pl_status make_usual(options *o, pl_plan *base, pl_drawn_settings *drawn, pl_error *error)
+static pl_status make_usual(sweep *s, pl_plan *base, pl_drawn_settings *drawn, pl_error *error)
 {
-    pl_status status = add_vary(o, PL_SWEEP_STEPS, error);
+    pl_status status = add_vary(s, PL_SWEEP_STEPS, error);
     if (status == PL_OK) {
         const pl_draw_def def = {.plan = base,
-                                 .steps = o->varied[0].numbers,
-                                 .step_count = o->varied[0].count,
-                                 .settings = o->settings,
-                                 .all_profiles = o->request.engines.count == 0};
+                                 .steps = s->varied[0].numbers,
+                                 .step_count = s->varied[0].count,
+                                 .settings = s->settings,
+                                 .all_profiles = s->request.engines.count == 0};
         *drawn = pl_draw_settings(&def);
+        status = add_tuned(base, error);
     }
-    return status == PL_OK ? add_tuned(base, error) : status;
+    return status;
 }
 
-static void set_defaults(options *o, bool is_usual)
+static void set_defaults(sweep *s, bool is_usual)
 {
-    if (o->repeats == 0) {
-        o->repeats = is_usual ? PL_SWEEP_DEFAULT_REPEATS : 1;
-    }
-    if (o->repeat_below < 0) {
-        o->repeat_below = is_usual ? 0.5 : 2;
-    }
-    if (o->settings < 0) {
-        o->settings = is_usual ? PL_SWEEP_DEFAULT_SETTINGS : 0;
-    }
-    if (o->changes < 0) {
-        o->changes = is_usual ? PL_SWEEP_DEFAULT_CHANGES : 0;
-    }
-    if (o->request.limits.cpu_time <= 0 && is_usual) {
-        o->request.limits.cpu_time = PL_SWEEP_DEFAULT_CPU_LIMIT;
+    s->repeats = s->repeats != 0 ? s->repeats : is_usual ? PL_SWEEP_DEFAULT_REPEATS : 1;
+    s->repeat_below = s->repeat_below >= 0 ? s->repeat_below : is_usual ? 0.5 : 2;
+    s->settings = s->settings >= 0 ? s->settings : is_usual ? PL_SWEEP_DEFAULT_SETTINGS : 0;
+    s->changes = s->changes >= 0 ? s->changes : is_usual ? PL_SWEEP_DEFAULT_CHANGES : 0;
+    if (s->request.limits.cpu_time <= 0 && is_usual) {
+        s->request.limits.cpu_time = PL_SWEEP_DEFAULT_CPU_LIMIT;
     }
 }
 
-static pl_status make_plan(const pl_call *call, options *o, pl_shard shard, pl_plan *plan,
-                           pl_error *error)
+static pl_status make_plan(const pl_call *call, sweep *s, pl_error *error)
 {
-    const bool is_usual = o->varied_count == 0;
+    const bool is_usual = s->varied_count == 0;
     pl_drawn_settings drawn = {.count = 0};
-    set_defaults(o, is_usual);
-    pl_plan base = {.repeats = o->repeats};
-    pl_status status = pl_request_plan(call, &o->request, &base, error);
+    set_defaults(s, is_usual);
+    pl_plan base = {.repeats = s->repeats};
+    pl_status status = pl_request_plan(call, &s->request, &base, error);
     if (status == PL_OK && is_usual) {
-        status = make_usual(o, &base, &drawn, error);
+        status = make_usual(s, &base, &drawn, error);
     }
     if (status == PL_OK) {
         const pl_grid_def def = {.base = &base,
-                                 .varied = o->varied,
-                                 .varied_count = o->varied_count,
+                                 .varied = s->varied,
+                                 .varied_count = s->varied_count,
                                  .drawn = drawn.count > 0 ? &drawn : NULL,
-                                 .changes = o->changes,
-                                 .shard = shard};
-        status = pl_grid_plan(&def, plan, error);
-        pl_plan_take_files(plan, &base);
+                                 .changes = s->changes,
+                                 .shard = s->shard};
+        status = pl_grid_plan(&def, &s->plan, error);
+        pl_plan_take_files(&s->plan, &base);
     }
     pl_drawn_settings_free(&drawn);
     pl_plan_free(&base);
     return status;
 }
 
-static void free_options(options *o)
+/* ---- Runs ---- */
+
+/* What another shard has, or has been too slow, is not made. */
+static bool skip(void *user, const char *run)
 {
-    for (int i = 0; i < o->varied_count; ++i) {
-        pl_vary_free(&o->varied[i]);
+    const sweep *s = user;
+    return pl_store_find(s->store, run) == NULL &&
+           (json_object_get(s->before.runs, run) != NULL || pl_pruning_spares(&s->pruning, run));
+}
+
+static pl_status keep(void *user, json_t *result, pl_error *error)
+{
+    sweep *s = user;
+    const char *run = pl_json_get_text(result, "run");
+    pl_pruning_see(&s->pruning, result);
+    return pl_store_find(s->store, run) != NULL || json_object_get(s->before.runs, run) != NULL
+               ? PL_OK
+               : pl_store_append(s->store, result, error);
+}
+
+static pl_status take(void *user, json_t *result, pl_error *error)
+{
+    sweep *s = user;
+    pl_pruning_see(&s->pruning, result);
+    return pl_prune_timeouts(&s->pruning, result, s->provenance, s, keep, error);
+}
+
+/* What earlier runs left is read before the store is open: a lock of fcntl(2) ends when any
+ * descriptor of the file is closed. */
+static pl_status open_store(sweep *s, pl_error *error)
+{
+    static const char *const report_files[] = {"sweep.html", NULL};
+    const pl_request *r = &s->request;
+    pl_status status = PL_OK;
+    if (r->resume || (!s->is_shard && !r->force)) {
+        status = pl_merge_add_any(&s->before, r->out, error);
     }
-    free(o->varied);
-    pl_request_free(&o->request);
+    if (!r->resume && (status == PL_BAD_INPUT || json_array_size(s->before.results) > 0)) {
+        status =
+            pl_fail(error, PL_BAD_INPUT,
+                    "%s/results.jsonl, or a shard next to it, has results: --resume keeps them "
+                    "and makes the runs that are missing, --force leaves them out, and --out "
+                    "takes another folder",
+                    r->out);
+    }
+    for (size_t i = 0; status == PL_OK && i < json_array_size(s->before.results); ++i) {
+        pl_pruning_see(&s->pruning, json_array_get(s->before.results, i));
+    }
+    return status == PL_OK ? pl_store_open(s->folder, pl_store_mode_of(r->resume, r->force),
+                                           report_files, &s->store, error)
+                           : status;
+}
+
+/* The conclusion from all that is there. */
+static pl_status conclude(sweep *s, pl_error *error)
+{
+    char *path = pl_heap_format("%s/results.jsonl", s->folder);
+    pl_merge_add_results(&s->before, path, pl_store_results(s->store));
+    free(path);
+    const pl_result_table_def def = {.files = s->before.sources,
+                                     .file_count = s->before.source_count,
+                                     .has_changes = true,
+                                     .home = s->request.home};
+    pl_result_table results;
+    pl_status status = pl_result_table_build(&def, &results, error);
+    if (status == PL_OK) {
+        pl_result_table_print_left_out(&results, stderr);
+        json_t *conclusion = pl_sweep_conclude(&results);
+        status = pl_study_write(&s->request, &pl_sweep_study, conclusion, error);
+        json_decref(conclusion);
+    }
+    if (status == PL_OK) {
+        pl_print_line(stderr, "speed against error is in %s/sweep.html", s->request.out);
+    }
+    pl_result_table_free(&results);
+    return status;
+}
+
+/* What a process leaves that came to its end. A shard is a part, and says nothing by itself. */
+static pl_status deliver(sweep *s, pl_error *error)
+{
+    const json_t *made = pl_store_results(s->store);
+    const size_t count = json_array_size(made);
+    pl_status status = pl_results_write_json(s->request.json, made, error);
+    if (status == PL_OK && !s->is_shard) {
+        status = conclude(s, error);
+    }
+    if (status == PL_OK) {
+        pl_print_line(stderr,
+                      "%zu %s in %s/results.jsonl; plumb report %s --out DIR makes a report", count,
+                      count == 1 ? "result is" : "results are", s->folder, s->request.out);
+        pl_store_finish(s->store);
+    }
+    return status;
+}
+
+/* Runs what is due and delivers. */
+static int execute(const pl_call *call, sweep *s)
+{
+    pl_error error = {.message = ""};
+    int signal_number = 0, code = PL_EXIT_OK;
+    s->provenance = pl_call_provenance(call);
+    s->before = pl_merge_begin();
+    pl_pruning_begin(&s->pruning, &s->plan, s->repeat_below);
+    pl_status status = open_store(s, &error);
+    if (status == PL_OK) {
+        const pl_execution_def execution = {.plan = &s->plan,
+                                            .jobs = s->request.jobs,
+                                            .limits = s->request.limits,
+                                            .provenance = s->provenance,
+                                            .store = s->store,
+                                            .progress = stderr,
+                                            .user = s,
+                                            .skip = skip,
+                                            .take = take};
+        pl_request_note_threads(call, &s->plan);
+        status = pl_execute(&execution, &signal_number, &error);
+    }
+    if (status == PL_OK && signal_number == 0) {
+        status = deliver(s, &error);
+        code =
+            pl_results_all_unsupported(pl_store_results(s->store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
+    }
+    pl_merge_free(&s->before);
+    pl_pruning_free(&s->pruning);
+    json_decref(s->provenance);
+    return pl_call_end_store(call, s->store, s->folder, status, &error, signal_number, code);
 }
 
 static int run(const pl_call *call)
 {
-    options o = {
-        .request = pl_request_default(), .repeat_below = -1, .settings = -1, .changes = -1};
-    o.request.out = "sweep";
-    pl_call_parse(call, &o);
+    sweep s = {.request = pl_request_default(),
+               .repeat_below = -1,
+               .settings = -1,
+               .changes = -1,
+               .plan = {.repeats = 1}};
+    s.request.out = "sweep";
+    pl_call_parse(call, &s);
     pl_error error = {.message = ""};
-    pl_plan plan = {.repeats = 1};
-    pl_shard shard;
-    bool is_shard = false;
-    char *folder = NULL;
     int code = PL_EXIT_OK;
-    pl_status status = pl_request_outputs(&o.request, o.list, &error);
+    pl_status status = pl_request_outputs(&s.request, s.list, &error);
     if (status == PL_OK) {
-        status = choose_shard(&o, &shard, &is_shard, &folder, &error);
+        status = choose_shard(&s, &error);
     }
     if (status == PL_OK) {
-        status = make_plan(call, &o, shard, &plan, &error);
+        status = make_plan(call, &s, &error);
     }
-    if (status == PL_OK && o.list != NULL) {
-        status = pl_grid_list(&plan, o.list, &error);
+    if (status == PL_OK && s.list != NULL) {
+        status = pl_grid_list(&s.plan, s.list, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
-    } else if (plan.configuration_count == 0) {
+    } else if (s.plan.configuration_count == 0) {
         code = pl_call_nothing(call, "there is nothing to compare");
-    } else if (o.list == NULL) {
-        code = execute(call, &o, &plan, is_shard, folder);
+    } else if (s.list == NULL) {
+        code = execute(call, &s);
     }
-    pl_plan_free(&plan);
-    free(folder);
-    free_options(&o);
+    for (int i = 0; i < s.varied_count; ++i) {
+        pl_vary_free(&s.varied[i]);
+    }
+    free(s.varied);
+    free(s.folder);
+    pl_plan_free(&s.plan);
+    pl_request_free(&s.request);
     return code;
 }
 
@@ -343,22 +322,22 @@ static const pl_option OPTIONS[] = {
      "default: the usual sweep, described above)",
      PL_OPTION_PARSED, .parse = add_vary, .values = "dt=|profile=|NAME=VALUE"},
     {"repeat", "N", "Runs of each point, interleaved (default 1; 3 without --vary)",
-     PL_OPTION_INTEGER, .field = offsetof(options, repeats), .min = 1, .max = PL_GRID_MOST_RUNS},
+     PL_OPTION_INTEGER, .field = offsetof(sweep, repeats), .min = 1, .max = PL_GRID_MOST_RUNS},
     {"repeat-below", "S",
      "Repeat only runs that took the engine less than S seconds of CPU time (default 0.5; 2 with "
      "--vary): the median over the steps of a long run hardly changes",
-     PL_OPTION_NUMBER, .field = offsetof(options, repeat_below), .takes = "seconds",
+     PL_OPTION_NUMBER, .field = offsetof(sweep, repeat_below), .takes = "seconds",
      .max = (double)INFINITY},
     {"settings", "N",
      "Without --vary: settings tried of each engine besides its profiles (default 20; 0: none)",
-     PL_OPTION_INTEGER, .field = offsetof(options, settings), .max = 10000},
+     PL_OPTION_INTEGER, .field = offsetof(sweep, settings), .max = 10000},
     {"changes", "N",
      "Make each point once more on each of N changed scenes: n one larger, friction up by its last "
      "bit, parameters moved within 1 % and others, of which a scene has those that it has a "
      "parameter for; of a scene file its parameters are moved. A point's error is then the "
      "largest, and its cost is "
      "that of the scene itself (default 2; 0 with --vary)",
-     PL_OPTION_INTEGER, .field = offsetof(options, changes), .max = 7},
+     PL_OPTION_INTEGER, .field = offsetof(sweep, changes), .max = 7},
     {"cpu-limit", NULL,
      "Longest CPU time in seconds of the engine's create and steps in a run. A call that reads "
      "counts only if it alone takes longer. The referee's time does not count. A configuration "
@@ -366,12 +345,12 @@ static const pl_option OPTIONS[] = {
      .kind = PL_OPTION_HELP},
     {"plan", "FILE",
      "Write the runs as JSON lines in their order, and make none (- is standard output)",
-     PL_OPTION_TEXT, .field = offsetof(options, list)},
+     PL_OPTION_TEXT, .field = offsetof(sweep, list)},
     {"shard", "I/N",
      "Make only part I of N, from 1/N to N/N: whole cases, with all engines and repeats, if "
      "there are N, otherwise ranges of points. Default: the number of the Slurm array task "
      "and the MPI rank, if any",
-     PL_OPTION_TEXT, .field = offsetof(options, shard)},
+     PL_OPTION_TEXT, .field = offsetof(sweep, asked)},
     {"out", NULL, "Where results go (default sweep); those of a shard go to DIR/shard-I-of-N",
      .kind = PL_OPTION_HELP},
     {0}};

@@ -39,7 +39,7 @@ pl_status pl_study_write_page(const char *directory, const pl_study *study,
     return status;
 }
 
-/* NAME.json, NAME.md, NAME.html and --json. */
+/* NAME.json, NAME.md and NAME.html. */
 static pl_status write_files(const pl_request *request, const pl_study *study,
                              const json_t *conclusion, const pl_document *document, pl_error *error)
 {
@@ -52,37 +52,44 @@ static pl_status write_files(const pl_request *request, const pl_study *study,
     if (status == PL_OK) {
         status = write_page(request->out, study, document, error);
     }
-    if (status == PL_OK) {
-        status = pl_results_write_json(request->json, conclusion, error);
-    }
     free(path);
     free(markdown);
+    return status;
+}
+
+pl_status pl_study_write(const pl_request *request, const pl_study *study, const json_t *conclusion,
+                         pl_error *error)
+{
+    pl_document document = {.title = study->name};
+    study->document(conclusion, &document);
+    const pl_status status = write_files(request, study, conclusion, &document, error);
+    if (status == PL_OK && !pl_is_stdout(request->json)) {
+        char *text = pl_document_text(&document, pl_window_width(stdout));
+        fputs(text, stdout);
+        fflush(stdout);
+        free(text);
+    }
+    pl_document_free(&document);
     return status;
 }
 
 pl_status pl_study_deliver(const pl_request *request, const pl_study *study, const json_t *results,
                            const char *folder, json_t **conclusion, pl_error *error)
 {
-    pl_document document = {.title = study->name};
     *conclusion = NULL;
     pl_status status = study->conclude(results, folder, conclusion, error);
     if (status == PL_OK) {
-        study->document(*conclusion, &document);
-        status = write_files(request, study, *conclusion, &document, error);
-    }
-    if (status == PL_OK && !pl_is_stdout(request->json)) {
-        char *text = pl_document_text(&document, pl_window_width(stdout));
-        fputs(text, stdout);
-        free(text);
+        status = pl_study_write(request, study, *conclusion, error);
     }
     if (status == PL_OK) {
-        fflush(stdout);
+        status = pl_results_write_json(request->json, *conclusion, error);
+    }
+    if (status == PL_OK) {
         pl_print_line(stderr, "%zu %s in %s/results.jsonl; the page is %s/%s.html",
                       json_array_size(results),
                       json_array_size(results) == 1 ? "result is" : "results are", folder,
                       request->out, study->name);
     }
-    pl_document_free(&document);
     return status;
 }
 

@@ -22,6 +22,11 @@ typedef struct pl_study_work {
  * is that of nothing to compare where `run` returned PL_UNSUPPORTED. */
 int pl_study_command(const pl_call *call, const pl_request *request, const pl_study_work *work);
 
+/* Writes the files of a conclusion into request->out, and its text on standard output, unless the JSON of --json goes
+ * there. */
+pl_status pl_study_write(const pl_request *request, const pl_study *study, const json_t *conclusion,
+                         pl_error *error);
+
 /* Concludes from an array of results of the study, whose files are in `folder`, and writes the files into request->out,
  * --json, and the text on standard output, unless the JSON is there. *conclusion is a new reference, NULL where there is
  * none. */

@@ -21,7 +21,7 @@ picture() {
     --out sweep >/dev/null
 picture report/index.html "$here/example.png" 1400 900
 picture 'report/index.html#only=case-4' "$here/scenario_example.png" 1400 900
-picture 'sweep/sweep.html#only=scene-0' "$here/sweep_example.png" 1200 760
+picture 'sweep/sweep.html#only=tower-least-cpu-time-for-a-simulated-second-by-rest-position-3' "$here/sweep_example.png" 1200 760
 # That of the state of the engines, where compare/state has measured it.
 if [[ -e $here/../../state/runs/index.html ]]; then
     cp "$here/../../state/runs/index.html" state.html

@@ -1,10 +1,10 @@
 /* What a sweep counts: points that hold on changes of the scene, factors as shipped and at each
  * engine's best, and how many settings were tried. Answers are known by hand. */
 #include "check.h"
-#include "report/sweep_tables.h"
 #include "sweep_analysis_rows.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 enum { AT_1E_2 = 1, AT_1E_3 = 2, AT_1E_4 = 3 };
 
@@ -107,8 +107,8 @@ static void test_factor_as_shipped_and_at_the_best(void **state)
     assert_true(pair->shipped >= 0);
     const pl_pairwise_comparison *best = comparison_with(&analysis, "ode");
     const pl_pairwise_comparison *shipped = &analysis.scenes[0].comparisons[pair->shipped];
-    assert_close(best->speed[AT_1E_3].value, 1.5, 0, 1e-12);
-    assert_close(shipped->speed[AT_1E_3].value, 3, 0, 1e-12);
+    assert_close(best->ratios[PL_SPEED + AT_1E_3].value, 1.5, 0, 1e-12);
+    assert_close(shipped->ratios[PL_SPEED + AT_1E_3].value, 3, 0, 1e-12);
     assert_close(pair->mean[AT_1E_3].value, 1.5, 0, 1e-12);
     assert_close(analysis.pairs[pair->shipped].mean[AT_1E_3].value, 3, 0, 1e-12);
     json_t *json = pl_sweep_to_json(&analysis);
@@ -132,14 +132,9 @@ static void test_the_table_names_the_best_settings(void **state)
     (void)state;
     json_t *results = tuned_sweep();
     pl_sweep_analysis analysis = analysis_of(results);
-    pl_table table = pl_sweep_factors_table(&analysis, -1, AT_1E_3);
-    pl_text_buffer text = {0};
-    table.last = pl_table_rows(&table);
-    pl_table_write(&table, PL_TABLE_TEXT, &text);
-    assert_contains(text.data, "plumb:p,iterations=5 at 1/64 s");
-    assert_contains(text.data, "ode:d,iterations=5 at 1/64 s");
-    pl_text_free(&text);
-    pl_table_free(&table);
+    char *text = document_of(&analysis);
+    assert_contains(text, "plumb:p,iterations=5  1/64 s  ode:d,iterations=5  1/64 s");
+    free(text);
     finish_sweep(&analysis, results);
 }
 
@@ -174,13 +169,9 @@ static void test_settings_are_counted_by_scene(void **state)
     const int ode = engine_named(&analysis, "ode");
     assert_int_equal(pl_sweep_curve_settings(&analysis.scenes[0].curves[ode]), 3);
     assert_int_equal(pl_sweep_curve_settings(&analysis.scenes[1].curves[ode]), 1);
-    pl_table table = pl_sweep_factors_table(&analysis, 1, AT_1E_3);
-    pl_text_buffer text = {0};
-    table.last = pl_table_rows(&table);
-    pl_table_write(&table, PL_TABLE_TEXT, &text);
-    assert_contains(text.data, "not with 1 setting");
-    pl_text_free(&text);
-    pl_table_free(&table);
+    char *text = document_of(&analysis);
+    assert_contains(text, "not with 1 setting");
+    free(text);
     finish_sweep(&analysis, results);
 }
 

@@ -16,14 +16,15 @@ static void test_speed_ratio_is_cost_at_each_error(void **state)
         assert_int_equal(comparison->at_error[k],
                          k < 4 ? PL_ATTAINED_BY_BOTH : PL_ATTAINED_BY_NEITHER);
         if (k < 4)
-            assert_close(comparison->speed[k].value, speeds[k], 0, 0);
+            assert_close(comparison->ratios[PL_SPEED + k].value, speeds[k], 0, 0);
         else
-            assert_true(isnan(comparison->speed[k].value));
-        assert_true(isnan(comparison->speed[k].low)); /* one repeat says nothing of spread */
+            assert_true(isnan(comparison->ratios[PL_SPEED + k].value));
+        assert_true(
+            isnan(comparison->ratios[PL_SPEED + k].low)); /* one repeat says nothing of spread */
     }
     /* Ours is one point, so between points there is 1e-4 alone. */
-    assert_true(isnan(comparison->speed_between[2].value));
-    assert_close(comparison->speed_between[3].value, 4, 0, 0);
+    assert_true(isnan(comparison->ratios[PL_SPEED_BETWEEN + 2].value));
+    assert_close(comparison->ratios[PL_SPEED_BETWEEN + 3].value, 4, 0, 0);
     finish_sweep(&analysis, results);
 }
 
@@ -38,14 +39,15 @@ static void test_error_ratio_is_taken_at_each_cost(void **state)
     assert_close(pl_sweep_times[AT_5], 5, 0, 0);
     assert_int_equal(comparison->at_cost[AT_1 - 1], PL_ATTAINED_BY_NEITHER);
     assert_int_equal(comparison->at_cost[AT_1], PL_ATTAINED_BY_SECOND_ONLY);
-    assert_close(comparison->exactness[AT_2].value, 100, 0, 1e-15);
-    assert_close(comparison->exactness[AT_5].value, 100, 0, 1e-15);
-    assert_close(comparison->exactness[AT_10].value, 1, 0, 0);
+    assert_close(comparison->ratios[PL_EXACTNESS + AT_2].value, 100, 0, 1e-15);
+    assert_close(comparison->ratios[PL_EXACTNESS + AT_5].value, 100, 0, 1e-15);
+    assert_close(comparison->ratios[PL_EXACTNESS + AT_10].value, 1, 0, 0);
     /* At 5: ode (5 -> 8 of 1e-2 -> 1e-4), ours 2 -> 32 of 1e-4 -> 1e-6. */
     double theirs = pow(10, -2 - 2 * log(5) / log(8));
     double ours = pow(10, -4 - 2 * log(2.5) / log(16));
-    assert_close(comparison->exactness_between[AT_5].value, theirs / ours, 0, 1e-12);
-    assert_true(isnan(comparison->exactness_between[AT_20].value)); /* beyond ode's front */
+    assert_close(comparison->ratios[PL_EXACTNESS_BETWEEN + AT_5].value, theirs / ours, 0, 1e-12);
+    assert_true(
+        isnan(comparison->ratios[PL_EXACTNESS_BETWEEN + AT_20].value)); /* beyond ode's front */
     finish_sweep(&analysis, results);
 }
 
@@ -94,7 +96,7 @@ static void test_equal_engines_have_no_losses(void **state)
     pl_sweep_analysis analysis = analysis_of(results);
     assert_int_equal(analysis.loss_count, 0);
     assert_int_equal(analysis.compared, 4);
-    assert_close(comparison_with(&analysis, "ode")->speed[0].value, 1, 0, 0);
+    assert_close(comparison_with(&analysis, "ode")->ratios[PL_SPEED + 0].value, 1, 0, 0);
     finish_sweep(&analysis, results);
 }
 
@@ -113,9 +115,9 @@ static void test_constant_repeats_have_an_interval_without_width(void **state)
     pl_sweep_analysis analysis = analysis_of(results);
     const pl_pairwise_comparison *comparison = comparison_with(&analysis, "ode");
     const pl_sweep_pair *pair = &analysis.pairs[pair_named(&analysis, "plumb", "ode")];
-    const pl_sweep_ratio *ratios[] = {&comparison->speed[2], &comparison->speed_between[2],
-                                      &comparison->exactness[20],
-                                      &comparison->exactness_between[20]};
+    const pl_sweep_ratio *ratios[] = {
+        &comparison->ratios[PL_SPEED + 2], &comparison->ratios[PL_SPEED_BETWEEN + 2],
+        &comparison->ratios[PL_EXACTNESS + 20], &comparison->ratios[PL_EXACTNESS_BETWEEN + 20]};
     for (int i = 0; i < 4; ++i) {
         assert_true(isfinite(ratios[i]->value));
         assert_true(ratios[i]->low == ratios[i]->value && ratios[i]->high == ratios[i]->value);
@@ -139,8 +141,8 @@ static void test_interval_is_that_of_resampled_medians(void **state)
     add_repeats(results, (sweep_run){.scenario = "a", "bullet:s", .error = 1e-2},
                 (const double[]){2, 2, 2, 2, 2, 90, 2, 2, 2, 2, 2}, 11);
     pl_sweep_analysis analysis = analysis_of(results);
-    const pl_sweep_ratio *ode = &comparison_with(&analysis, "ode")->speed[1];
-    const pl_sweep_ratio *bullet = &comparison_with(&analysis, "bullet")->speed[1];
+    const pl_sweep_ratio *ode = &comparison_with(&analysis, "ode")->ratios[PL_SPEED + 1];
+    const pl_sweep_ratio *bullet = &comparison_with(&analysis, "bullet")->ratios[PL_SPEED + 1];
     assert_close(ode->value, 2, 0, 0);
     assert_close(ode->low, 1, 0, 0);
     assert_close(ode->high, 3, 0, 0);
@@ -176,7 +178,7 @@ static void test_intervals_of_few_repeats_hold_the_true_ratio(void **state)
         pl_sweep_analysis analysis = analysis_of(results);
         for (int i = 0; i < 2; ++i) {
             const pl_sweep_ratio *ratio =
-                &comparison_with(&analysis, i == 0 ? "ode" : "bullet")->speed[1];
+                &comparison_with(&analysis, i == 0 ? "ode" : "bullet")->ratios[PL_SPEED + 1];
             held[i] += ratio->low <= 1 && 1 <= ratio->high;
         }
         finish_sweep(&analysis, results);
@@ -246,13 +248,13 @@ static void test_intervals_do_not_depend_on_a_third_engine(void **state)
     add_repeats(results, (sweep_run){.scenario = "a", "plumb:p", .error = 1e-2}, ours, REPEATS);
     add_repeats(results, (sweep_run){.scenario = "a", "ode:q", .error = 1e-2}, theirs, REPEATS);
     pl_sweep_analysis without = analysis_of(results);
-    pl_sweep_ratio before = comparison_with(&without, "ode")->speed[1];
+    pl_sweep_ratio before = comparison_with(&without, "ode")->ratios[PL_SPEED + 1];
     pl_sweep_analysis_free(&without);
     add_repeats(results, (sweep_run){.scenario = "a", "bullet:s", .error = 1e-2}, ours, REPEATS);
     add_repeats(results, (sweep_run){.scenario = "a", "ode:r", .error = 1e-2, .dt = 0.125},
                 (const double[]){9, 9.5, 10}, 3);
     pl_sweep_analysis with = analysis_of(results);
-    const pl_sweep_ratio *after = &comparison_with(&with, "ode")->speed[1];
+    const pl_sweep_ratio *after = &comparison_with(&with, "ode")->ratios[PL_SPEED + 1];
     assert_true(before.low < before.value && before.value < before.high);
     assert_memory_equal(after, &before, sizeof before);
     finish_sweep(&with, results);
@@ -302,19 +304,24 @@ static void test_profile_by_hand(void **state)
     }
     add_sweep_run(results, (sweep_run){.scenario = "e", "plumb:p", 1, 1e-3}); /* not run on ode */
     pl_sweep_analysis analysis = analysis_of(results);
-    const pl_sweep_profile *profile = &analysis.profiles[PL_SWEEP_MATCHED_LEVEL];
-    int ours = engine_named(&analysis, "plumb"), ode = engine_named(&analysis, "ode");
-    assert_int_equal(profile->kind, PL_SWEEP_WHOLE);
-    assert_int_equal(profile->scenes, 4);
-    static const struct {
-        double tau, ours, theirs;
-    } shares[] = {
-        {1, 0.5, 0.25}, {1.9, 0.5, 0.25}, {2, 0.5, 0.5}, {3, 0.75, 0.5}, {1e9, 0.75, 0.5}};
-    for (int i = 0; i < 5; ++i) {
-        assert_close(pl_sweep_share(&analysis, profile, ours, shares[i].tau), shares[i].ours, 0, 0);
-        assert_close(pl_sweep_share(&analysis, profile, ode, shares[i].tau), shares[i].theirs, 0,
-                     0);
+    json_t *json = pl_sweep_to_json(&analysis);
+    const json_t *profile =
+        json_array_get(json_object_get(json, "profiles"), PL_SWEEP_MATCHED_LEVEL);
+    static const char *const names[] = {"plumb", "ode"};
+    static const double ratios[2][3] = {{1, 1, 3}, {1, 2}}; /* c: ours alone, d: neither */
+    assert_true(json_is_true(json_object_get(profile, "all_profiles")));
+    assert_int_equal(json_integer_value(json_object_get(profile, "scenes")), 4);
+    for (size_t i = 0; i < 2; ++i) {
+        const json_t *engine = json_array_get(json_object_get(profile, "engines"), i);
+        const json_t *found = json_object_get(engine, "ratios");
+        assert_int_equal(json_integer_value(json_object_get(engine, "engine")),
+                         engine_named(&analysis, names[i]));
+        assert_int_equal(json_array_size(found), 3 - i);
+        for (size_t k = 0; k < 3 - i; ++k) {
+            assert_close(json_number_value(json_array_get(found, k)), ratios[i][k], 0, 0);
+        }
     }
+    json_decref(json);
     finish_sweep(&analysis, results);
 }
 

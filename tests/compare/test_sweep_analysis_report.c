@@ -1,16 +1,9 @@
-/* What the report of a sweep says, and that it says it safely. */
-#include "base/number_format.h"
+/* What the conclusion of a sweep and its document say, and that they say it safely. */
 #include "check.h"
-#include "plumb_process.h"
-#include "report/sweep_report.h"
-#include "report/sweep_tables.h"
 #include "report_rows.h"
-#include "results/store.h"
 #include "sweep_analysis_rows.h"
 
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Two scenes: on a plumb loses at 1e-1 and 1e-2; on b ode's two points fail. */
 static json_t *mixed(void)
@@ -28,26 +21,29 @@ static json_t *mixed(void)
     return results;
 }
 
-/* The data of the page as text. */
+static json_t *conclusion_of(const json_t *results)
+{
+    const pl_result_table *table = table_of(results);
+    json_t *conclusion = pl_sweep_conclude(table);
+    free_table(table);
+    return conclusion;
+}
+
+/* plumb.sweep/2 as text. */
 static char *data_of(const json_t *results)
 {
-    pl_sweep_analysis analysis = analysis_of(results);
-    json_t *json = pl_sweep_report_json(&analysis);
+    json_t *json = conclusion_of(results);
     char *text = json_dumps(json, JSON_COMPACT);
     assert_non_null(text);
     json_decref(json);
-    pl_sweep_analysis_free(&analysis);
     return text;
 }
 
 static char *print_of(const json_t *results)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
     pl_sweep_analysis analysis = analysis_of(results);
-    pl_sweep_report_print(out, &analysis);
-    fclose(out);
+    char *text = document_of(&analysis);
+    free_table(analysis.results);
     pl_sweep_analysis_free(&analysis);
     return text;
 }
@@ -64,7 +60,7 @@ static void test_losses_come_before_everything_else(void **state)
     assert_contains(data, said);
     assert_before(text, "in 2 of 10 comparisons", "Where plumb loses");
     assert_before(text, "Where plumb loses", "over all scenes");
-    assert_contains(text, "1 of 2 scenes: not with 2 settings");
+    assert_contains(text, "×0.500");
     free(data);
     free(text);
     json_decref(results);
@@ -105,12 +101,9 @@ static void test_statement_when_nothing_is_lost_or_compared(void **state)
         add_sweep_run(
             results,
             (sweep_run){.scenario = "a", cases[i].second, 2, 1e-4, .outcome = cases[i].outcome});
-        pl_sweep_analysis analysis = analysis_of(results);
-        pl_text_buffer buffer = {0};
-        pl_sweep_statement(&analysis, &buffer);
-        assert_contains(buffer.data, cases[i].said);
-        pl_text_free(&buffer);
-        pl_sweep_analysis_free(&analysis);
+        char *data = data_of(results);
+        assert_contains(data, cases[i].said);
+        free(data);
         json_decref(results);
     }
 }
@@ -146,40 +139,10 @@ static void test_hostile_texts_do_not_reach_the_terminal(void **state)
     json_decref(results);
 }
 
-static void test_numbers_are_written_as_people_read_them(void **state)
+static void test_conclusion_has_all_parts(void **state)
 {
     (void)state;
-    char text[PL_SWEEP_TEXT_SIZE];
-    pl_sweep_ratio_text(&(pl_sweep_ratio){2.5, 2.25, 2.75}, text);
-    assert_string_equal(text, "×2.50 (2.25 to 2.75)");
-    pl_sweep_ratio_text(&(pl_sweep_ratio){2.5, (double)NAN, (double)NAN}, text);
-    assert_string_equal(text, "×2.50");
-    pl_sweep_ratio_text(&(pl_sweep_ratio){(double)NAN, (double)NAN, (double)NAN}, text);
-    assert_string_equal(text, "–");
-    pl_sweep_error_text(1e-9, "m", text);
-    assert_string_equal(text, "≤ 1e-9 m");
-    pl_sweep_error_text(0.0125, "1", text);
-    assert_string_equal(text, "0.0125");
-    pl_format_step(1.0 / 240, text);
-    assert_string_equal(text, "1/240 s");
-    pl_format_step(0.03, text);
-    assert_string_equal(text, "0.03 s");
-    pl_format_number(0.0125, "s", text);
-    assert_string_equal(text, "12.5 ms");
-}
-
-static void test_files_are_written(void **state)
-{
-    (void)state;
-    char *directory = make_directory();
-    char path[512];
-    json_t *results = mixed();
-    pl_sweep_analysis analysis = analysis_of(results);
-    pl_error error = {PL_OK, ""};
-    assert_int_equal(pl_sweep_report_write(directory, &analysis, &error), PL_OK);
-    snprintf(path, sizeof path, "%s/sweep.json", directory);
-    json_t *json = json_load_file(path, 0, NULL);
-    assert_non_null(json);
+    json_t *results = mixed(), *json = conclusion_of(results);
     assert_string_equal(json_string_value(json_object_get(json, "schema")), "plumb.sweep/2");
     assert_int_equal(json_array_size(json_object_get(json, "points")), 8);
     assert_int_equal(json_array_size(json_object_get(json, "losses")), 2);
@@ -188,16 +151,9 @@ static void test_files_are_written(void **state)
     assert_close(json_number_value(json_object_get(json_object_get(loss, "speed"), "value")), 0.5,
                  0, 0);
     assert_true(json_is_null(json_object_get(json_object_get(loss, "speed"), "low")));
+    assert_true(pl_sweep_has_settings(json));
     json_decref(json);
-    snprintf(path, sizeof path, "%s/sweep.html", directory);
-    FILE *page = fopen(path, "r");
-    assert_non_null(page);
-    fclose(page);
-    snprintf(path, sizeof path, "%s/missing", directory);
-    assert_int_equal(pl_sweep_report_write(path, &analysis, &error), PL_IO);
-    pl_sweep_analysis_free(&analysis);
     json_decref(results);
-    remove_directory(directory);
 }
 
 static void test_no_results_make_an_empty_analysis(void **state)
@@ -239,8 +195,7 @@ int main(void)
         cmocka_unit_test(test_losses_appear_only_with_a_home_engine),
         cmocka_unit_test(test_statement_when_nothing_is_lost_or_compared),
         cmocka_unit_test(test_hostile_texts_do_not_reach_the_terminal),
-        cmocka_unit_test(test_numbers_are_written_as_people_read_them),
-        cmocka_unit_test(test_files_are_written),
+        cmocka_unit_test(test_conclusion_has_all_parts),
         cmocka_unit_test(test_unverified_engines_are_named),
         cmocka_unit_test(test_no_results_make_an_empty_analysis),
     };

@@ -1,7 +1,7 @@
 /* From rows of results to points: what makes one, what has no numbers, what is broken. */
 #include "check.h"
 #include "result_tables.h"
-#include "studies/sweep/analysis.h"
+#include "studies/sweep/analysis_parts.h"
 #include "sweep_analysis_rows.h"
 
 #include <math.h>
@@ -58,7 +58,9 @@ static void test_rows_are_grouped_by_case_and_configuration(void **state)
     assert_int_equal(analysis.pair_count, 3); /* plumb-ode, p-q, p-r */
     assert_int_equal(analysis.scenes[0].curves[1].ok, 4);
     assert_int_equal(analysis.scenes[0].curves[3].ok, 3);
-    assert_int_equal(analysis.order_count, 1); /* of one series there are two time steps */
+    json_t *orders = pl_orders_find(&analysis);
+    assert_int_equal(json_array_size(orders), 1); /* of one series there are two time steps */
+    json_decref(orders);
     finish_sweep(&analysis, results);
 }
 
@@ -161,8 +163,8 @@ static void test_error_below_the_floor_counts_as_the_floor(void **state)
     assert_int_equal(analysis.scenes[0].curves[0].front_count, 1); /* the cheaper of the two */
     const pl_pairwise_comparison *comparison = comparison_with(&analysis, "ode");
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k)
-        assert_close(comparison->speed[k].value, 5, 0, 0);
-    assert_close(comparison->exactness[PL_SWEEP_TIMES - 1].value, 1, 0, 0);
+        assert_close(comparison->ratios[PL_SPEED + k].value, 5, 0, 0);
+    assert_close(comparison->ratios[PL_EXACTNESS + PL_SWEEP_TIMES - 1].value, 1, 0, 0);
     finish_sweep(&analysis, results);
 }
 
@@ -178,15 +180,18 @@ static void test_order_is_found_over_dt_only(void **state)
             (sweep_run){.scenario = "a", "plumb:p", 1 / dt, 0.1 * dt, .dt = dt, .iterations = 7});
     }
     pl_sweep_analysis analysis = analysis_of(results);
-    assert_int_equal(analysis.order_count, 2);
-    for (int i = 0; i < 2; ++i) {
-        const pl_sweep_order *order = &analysis.orders[i];
-        bool second = strstr(analysis.points[order->first].label, "iterations=0") != NULL;
-        assert_close(order->order, second ? 2 : 1, 1e-12, 0);
-        assert_int_equal(order->used, 4);
-        assert_close(order->dt_low, ldexp(1, -7), 0, 0);
-        assert_close(order->dt_high, ldexp(1, -4), 0, 0);
+    json_t *orders = pl_orders_find(&analysis);
+    assert_int_equal(json_array_size(orders), 2);
+    for (size_t i = 0; i < 2; ++i) {
+        const json_t *order = json_array_get(orders, i);
+        const json_int_t first = json_integer_value(json_object_get(order, "point"));
+        const bool second = strstr(analysis.points[first].label, "iterations=0") != NULL;
+        assert_close(json_number_value(json_object_get(order, "order")), second ? 2 : 1, 1e-12, 0);
+        assert_int_equal(json_integer_value(json_object_get(order, "used")), 4);
+        assert_close(json_number_value(json_object_get(order, "dt_low")), ldexp(1, -7), 0, 0);
+        assert_close(json_number_value(json_object_get(order, "dt_high")), ldexp(1, -4), 0, 0);
     }
+    json_decref(orders);
     finish_sweep(&analysis, results);
 }
 

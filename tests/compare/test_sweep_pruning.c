@@ -43,6 +43,8 @@ static kept after(const pl_plan *plan, double step, const char *outcome, int fai
 {
     kept k = {.results = json_array(), .fail_at = fail_at};
     json_t *provenance = json_pack("{s:s}", "command", "test");
+    pl_pruning pruning;
+    pl_pruning_begin(&pruning, plan, 1);
     for (long i = 0; i < pl_plan_size(plan); ++i) {
         const pl_planned_run run = pl_plan_run(plan, i);
         if (run.test_case == &plan->cases[0] + (step < 1.0 / 90) + (step < 1.0 / 180) &&
@@ -51,11 +53,13 @@ static kept after(const pl_plan *plan, double step, const char *outcome, int fai
             json_object_set_new(result, "outcome", json_string(outcome));
             json_object_set_new(result, "reason", json_string("no end within 15 s"));
             json_object_set_new(result, "steps", json_pack("{s:i, s:i}", "asked", 60, "done", 3));
-            assert_int_equal(pl_prune_timeouts(plan, result, provenance, &k, keep, NULL), expected);
+            assert_int_equal(pl_prune_timeouts(&pruning, result, provenance, &k, keep, NULL),
+                             expected);
             json_decref(result);
         }
     }
     json_decref(provenance);
+    pl_pruning_free(&pruning);
     return k;
 }
 

@@ -27,7 +27,7 @@ static const char *hash_of(const pl_plan *plan, long index, json_t **identity)
     return pl_json_get_text(*identity, "run");
 }
 
-static void see(pl_repeats *repeats, const pl_plan *plan, long index, const char *outcome,
+static void see(pl_pruning *repeats, const pl_plan *plan, long index, const char *outcome,
                 double step, int steps)
 {
     json_t *identity;
@@ -35,7 +35,7 @@ static void see(pl_repeats *repeats, const pl_plan *plan, long index, const char
     json_t *result = json_pack("{s:s, s:s, s:{s:{s:f}}, s:{s:i}}", "run", run, "outcome", outcome,
                                "metrics", "time_per_step", "value", step, "steps", "done", steps);
     assert_non_null(result);
-    pl_repeats_see(repeats, result);
+    pl_pruning_see(repeats, result);
     json_decref(result);
     json_decref(identity);
 }
@@ -44,9 +44,9 @@ static void test_only_short_runs_are_repeated(void **state)
 {
     (void)state;
     pl_plan plan;
-    pl_repeats repeats;
+    pl_pruning repeats;
     make_plan(&plan);
-    pl_repeats_begin(&repeats, &plan, 2);
+    pl_pruning_begin(&repeats, &plan, 2);
     /* The first run of each point: 1 s, 3 s, a timeout, and one that crashed at once. */
     see(&repeats, &plan, 0, "ok", 0.01, 100);
     see(&repeats, &plan, 1, "ok", 0.03, 100);
@@ -65,13 +65,13 @@ static void test_only_short_runs_are_repeated(void **state)
             expected |= is_long[k] && run.repeat > 0 && run.test_case == first[k].test_case &&
                         run.configuration == first[k].configuration;
         }
-        assert_int_equal(pl_repeats_spare(&repeats, hash), expected);
+        assert_int_equal(pl_pruning_spares(&repeats, hash), expected);
         spared += expected;
         json_decref(identity);
     }
     assert_int_equal(spared, 4);
-    assert_false(pl_repeats_spare(&repeats, "no such run"));
-    pl_repeats_free(&repeats);
+    assert_false(pl_pruning_spares(&repeats, "no such run"));
+    pl_pruning_free(&repeats);
     pl_plan_free(&plan);
 }
 
@@ -79,18 +79,18 @@ static void test_results_of_other_sweeps_say_nothing(void **state)
 {
     (void)state;
     pl_plan plan;
-    pl_repeats repeats;
+    pl_pruning repeats;
     make_plan(&plan);
-    pl_repeats_begin(&repeats, &plan, 2);
+    pl_pruning_begin(&repeats, &plan, 2);
     json_t *strange = json_pack("{s:s, s:s}", "run", "0123", "outcome", "timeout");
-    pl_repeats_see(&repeats, strange);
+    pl_pruning_see(&repeats, strange);
     json_decref(strange);
     for (long i = 0; i < pl_plan_size(&plan); ++i) {
         json_t *identity;
-        assert_false(pl_repeats_spare(&repeats, hash_of(&plan, i, &identity)));
+        assert_false(pl_pruning_spares(&repeats, hash_of(&plan, i, &identity)));
         json_decref(identity);
     }
-    pl_repeats_free(&repeats);
+    pl_pruning_free(&repeats);
     pl_plan_free(&plan);
 }
 
@@ -140,16 +140,16 @@ static void test_changes_of_a_failed_point_are_spared(void **state)
     static const char *const outcomes[] = {"ok", "collapsed", "timeout"};
     for (int i = 0; i < 3; ++i) {
         pl_plan plan;
-        pl_repeats repeats;
+        pl_pruning repeats;
         json_t *changed;
         make_plan_with_change(&plan);
-        pl_repeats_begin(&repeats, &plan, 2);
+        pl_pruning_begin(&repeats, &plan, 2);
         const char *hash = hash_of(&plan, 1, &changed);
-        assert_false(pl_repeats_spare(&repeats, hash));
+        assert_false(pl_pruning_spares(&repeats, hash));
         see(&repeats, &plan, 0, outcomes[i], 0.01, 100);
-        assert_int_equal(pl_repeats_spare(&repeats, hash), i > 0);
+        assert_int_equal(pl_pruning_spares(&repeats, hash), i > 0);
         json_decref(changed);
-        pl_repeats_free(&repeats);
+        pl_pruning_free(&repeats);
         pl_plan_free(&plan);
     }
 }
@@ -158,15 +158,15 @@ static void test_a_failed_change_spares_no_repeat(void **state)
 {
     (void)state;
     pl_plan plan;
-    pl_repeats repeats;
+    pl_pruning repeats;
     json_t *again;
     make_plan_with_change(&plan);
-    pl_repeats_begin(&repeats, &plan, 2);
+    pl_pruning_begin(&repeats, &plan, 2);
     see(&repeats, &plan, 0, "ok", 0.01, 100);
     see(&repeats, &plan, 1, "timeout", 1, 100);
-    assert_false(pl_repeats_spare(&repeats, hash_of(&plan, 2, &again)));
+    assert_false(pl_pruning_spares(&repeats, hash_of(&plan, 2, &again)));
     json_decref(again);
-    pl_repeats_free(&repeats);
+    pl_pruning_free(&repeats);
     pl_plan_free(&plan);
 }
 

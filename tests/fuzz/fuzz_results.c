@@ -7,8 +7,8 @@
 
 #include "gate/gate.h"
 #include "report/report.h"
-#include "report/sweep_report.h"
 #include "results/store.h"
+#include "studies/sweep/analysis.h"
 
 #include <jansson.h>
 #include <stdlib.h>
@@ -51,15 +51,16 @@ static void resume(const char *path, json_t *results)
 
 static void report(const pl_result_table *results, FILE *nowhere)
 {
-    pl_sweep_analysis analysis;
+    pl_document document = {.title = ""};
     pl_text_buffer text = {0};
     pl_report_csv(results, &text);
     pl_report_runs_csv(results, &text);
     pl_report_print(nowhere, results, true, 100);
-    pl_sweep_analyse(results, &analysis);
-    pl_sweep_report_print(nowhere, &analysis);
-    json_decref(pl_sweep_report_json(&analysis));
-    pl_sweep_analysis_free(&analysis);
+    json_t *sweep = pl_sweep_conclude(results);
+    pl_sweep_study.document(sweep, &document);
+    free(pl_document_text(&document, 100));
+    pl_document_free(&document);
+    json_decref(sweep);
     pl_text_free(&text);
 }
 

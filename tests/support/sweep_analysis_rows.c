@@ -55,6 +55,17 @@ pl_sweep_analysis analysis_of(const json_t *results)
     return analysis;
 }
 
+char *document_of(const pl_sweep_analysis *analysis)
+{
+    json_t *json = pl_sweep_to_json(analysis);
+    pl_document document = {.title = ""};
+    pl_sweep_study.document(json, &document);
+    char *text = pl_document_text(&document, 300);
+    pl_document_free(&document);
+    json_decref(json);
+    return text;
+}
+
 int engine_named(const pl_sweep_analysis *analysis, const char *name)
 {
     for (int i = 0; i < analysis->engine_count; ++i) {

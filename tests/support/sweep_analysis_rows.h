@@ -27,6 +27,9 @@ json_t *crossing_sweep(void);
 /* The test fails unless it succeeds. */
 pl_sweep_analysis analysis_of(const json_t *results);
 
+/* Its document as text, to free. */
+char *document_of(const pl_sweep_analysis *analysis);
+
 /* Frees both. */
 void finish_sweep(pl_sweep_analysis *analysis, json_t *results);
 

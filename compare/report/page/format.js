@@ -18,6 +18,5 @@ export function number(value, unit = '') {
   return unit === '' || unit === '1' ? digits(value) : `${digits(value)} ${unit}`;
 }
 
-export const ratio = (value) => (Number.isFinite(value) ? `×${digits(value)}` : '–');
 export const plural = (count, word) => `${count} ${word}${count === 1 ? '' : 's'}`;
 export const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, '-').slice(0, 60);

@@ -6,7 +6,6 @@ import * as about from './about.js';
 import { overview } from './overview.js';
 import { scenario } from './scenario.js';
 import { catalogue } from './catalogue.js';
-import { sweep } from './sweep.js';
 import { documentPage } from './document.js';
 import { study } from './study.js';
 import { figure } from './figure.js';
@@ -71,7 +70,7 @@ function begin() {
   } else if (all.kind === 'report') {
     report(all);
   } else {
-    const made = all.kind === 'catalogue' ? catalogue(all.study, whenNear) : all.kind === 'sweep' ? sweep(all.study) : all.kind === 'document' ? documentPage(all.study) : study(all.kind, all.study);
+    const made = all.kind === 'catalogue' ? catalogue(all.study, whenNear) : all.kind === 'document' ? documentPage(all.study) : study(all.kind, all.study);
     header(made.title, made.lead);
     const parts = [...made.parts, about.licences()].filter(Boolean);
     main.append(...parts);

@@ -1,4 +1,4 @@
-/* Makes the analysis of a sweep from its parts: noise, curves and performance profiles. */
+/* Makes the analysis of a sweep from its parts: noise and curves. */
 #include "analysis_parts.h"
 
 #include "base/heap.h"
@@ -43,82 +43,6 @@ static void estimate_noise(pl_sweep_analysis *analysis)
         const spread *known = own.freedom >= enough ? &own : &everywhere;
         scene->noise = known->freedom > 0 ? sqrt(known->squares / known->freedom) : (double)NAN;
     }
-}
-
-/* ---- Performance profiles (Dolan and More 2002) ---- */
-
-/* Whether all engines of the kind were run on the scene, and it has a primary error. */
-static bool belongs(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                    pl_sweep_kind kind)
-{
-    for (int e = 0; e < analysis->engine_count; ++e) {
-        if (analysis->engines[e].kind == kind && !pl_sweep_curve_was_run(&scene->curves[e])) {
-            return false;
-        }
-    }
-    return scene->primary_error[0] != '\0';
-}
-
-/* The engine's cost at the level; INFINITY where no point of it has that error. */
-static double cost_of(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int engine,
-                      int level)
-{
-    int reached = scene->curves[engine].cheapest[level];
-    return reached < 0 ? (double)INFINITY : analysis->points[reached].cost;
-}
-
-static void add_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                      pl_sweep_profile *profile)
-{
-    double least = (double)INFINITY;
-    for (int e = 0; e < analysis->engine_count; ++e) {
-        if (analysis->engines[e].kind == profile->kind) {
-            least = fmin(least, cost_of(analysis, scene, e, profile->level));
-        }
-    }
-    ++profile->scenes;
-    for (int e = 0; e < analysis->engine_count && isfinite(least); ++e) {
-        double cost = cost_of(analysis, scene, e, profile->level);
-        if (analysis->engines[e].kind == profile->kind && isfinite(cost)) {
-            double *ratios = profile->ratios + (size_t)e * (size_t)analysis->scene_count;
-            ratios[profile->counts[e]++] = cost / least;
-        }
-    }
-}
-
-/* Finds the performance profile of each level from the curves, for engines and for profiles. */
-static void find_profiles(pl_sweep_analysis *analysis)
-{
-    const size_t engines = (size_t)analysis->engine_count;
-    const size_t scenes = (size_t)analysis->scene_count;
-    analysis->profiles = pl_heap_new(2 * PL_SWEEP_LEVELS, sizeof *analysis->profiles);
-    for (int i = 0; i < 2 * PL_SWEEP_LEVELS; ++i) {
-        pl_sweep_profile *profile = &analysis->profiles[analysis->profile_count++];
-        *profile =
-            (pl_sweep_profile){.level = i % PL_SWEEP_LEVELS,
-                               .kind = i < PL_SWEEP_LEVELS ? PL_SWEEP_WHOLE : PL_SWEEP_PROFILE,
-                               .counts = pl_heap_new(engines, sizeof(int)),
-                               .ratios = pl_heap_new(engines * scenes, sizeof(double))};
-        for (int p = 0; p < analysis->scene_count; ++p) {
-            if (belongs(analysis, &analysis->scenes[p], profile->kind)) {
-                add_scene(analysis, &analysis->scenes[p], profile);
-            }
-        }
-        for (size_t e = 0; e < engines; ++e) {
-            pl_sort_numbers(profile->ratios + e * scenes, profile->counts[e]);
-        }
-    }
-}
-
-double pl_sweep_share(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
-                      int engine, double tau)
-{
-    const double *ratios = profile->ratios + (size_t)engine * (size_t)analysis->scene_count;
-    int within = 0;
-    while (within < profile->counts[engine] && ratios[within] <= tau) {
-        ++within;
-    }
-    return profile->scenes == 0 ? (double)NAN : (double)within / profile->scenes;
 }
 
 /* ---- Curves ---- */
@@ -185,8 +109,6 @@ void pl_sweep_analyse(const pl_result_table *results, pl_sweep_analysis *analysi
     find_curves(analysis);
     pl_compare_pairwise(analysis);
     pl_list_losses(analysis);
-    pl_orders_find(analysis);
-    find_profiles(analysis);
 }
 
 void pl_sweep_analysis_free(pl_sweep_analysis *analysis)
@@ -202,16 +124,10 @@ void pl_sweep_analysis_free(pl_sweep_analysis *analysis)
         free(scene->curves);
         free(scene->comparisons);
     }
-    for (int i = 0; i < analysis->profile_count; ++i) {
-        free(analysis->profiles[i].counts);
-        free(analysis->profiles[i].ratios);
-    }
     free(analysis->points);
     free(analysis->engines);
     free(analysis->scenes);
     free(analysis->pairs);
     free(analysis->losses);
-    free(analysis->orders);
-    free(analysis->profiles);
     *analysis = (pl_sweep_analysis){0};
 }

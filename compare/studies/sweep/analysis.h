@@ -10,6 +10,7 @@
 #define PLUMB_SWEEP_ANALYSIS_H
 
 #include "results/result_table.h"
+#include "studies/study.h"
 
 #include <stdint.h>
 
@@ -76,6 +77,8 @@ typedef struct pl_sweep_point {
 typedef struct pl_sweep_engine {
     char name[128]; /* "ode", "ode:quick" */
     bool is_home;   /* all of its configurations are of the home engine */
+    bool
+        is_first; /* it is compared with others of its kind as the first of a pair: a home engine, or each where its kind has none */
     pl_sweep_kind kind;
     /* Of a profile with a run whose conformance is not known to have passed: its SPEC, borrowed from
      * the results. NULL: passed. */
@@ -107,18 +110,25 @@ typedef struct pl_sweep_ratio {
     double value, low, high;
 } pl_sweep_ratio;
 
+/* Places of ratios of two engines: cost at error, by level, and error at cost, by time, the second over the first. They
+ * are of the cheapest points at or below the error, and of the most exact ones that cost no more; those between are
+ * interpolated linearly in the logarithms between points, where the error, or cost, lies within both fronts. */
+enum {
+    PL_SPEED = 0,
+    PL_SPEED_BETWEEN = PL_SPEED + PL_SWEEP_LEVELS,
+    PL_EXACTNESS = PL_SPEED_BETWEEN + PL_SWEEP_LEVELS,
+    PL_EXACTNESS_BETWEEN = PL_EXACTNESS + PL_SWEEP_TIMES,
+    PL_READINGS = PL_EXACTNESS_BETWEEN + PL_SWEEP_TIMES
+};
+
 /* Two engines on one scene. */
 typedef struct pl_pairwise_comparison {
     bool run; /* both were run and there is a primary error; else the other fields are undefined */
     pl_attained_by at_error[PL_SWEEP_LEVELS]; /* who has a point at or below the error */
     pl_attained_by at_cost[PL_SWEEP_TIMES];   /* who has a point that costs no more */
-    /* Cost at error, the second over the first: of the cheapest points at or below the error, and
-     * interpolated between points, linearly in the logarithms, where the error lies within both
-     * fronts. */
-    pl_sweep_ratio speed[PL_SWEEP_LEVELS], speed_between[PL_SWEEP_LEVELS];
-    double instructions[PL_SWEEP_LEVELS]; /* as `speed`; NAN: not counted */
-    /* Error at cost, the second over the first, in the same way. */
-    pl_sweep_ratio exactness[PL_SWEEP_TIMES], exactness_between[PL_SWEEP_TIMES];
+    pl_sweep_ratio ratios[PL_READINGS];
+    double instructions
+        [PL_SWEEP_LEVELS]; /* the second over the first, of the points of PL_SPEED; NAN: not counted */
 } pl_pairwise_comparison;
 
 /* A scene with its points, cost-error curves and pairwise comparisons. */
@@ -138,7 +148,7 @@ typedef struct pl_sweep_pair {
     int first, second;
     int shipped; /* of two whole engines: the pair of both as shipped; -1: none */
     /* Over all scenes on which both were run, by level. */
-    pl_sweep_ratio mean[PL_SWEEP_LEVELS]; /* geometric mean of `speed`, of scenes both reached */
+    pl_sweep_ratio mean[PL_SWEEP_LEVELS]; /* geometric mean of PL_SPEED, of scenes both reached */
     int both[PL_SWEEP_LEVELS], first_only[PL_SWEEP_LEVELS], second_only[PL_SWEEP_LEVELS];
     int scenes;
 } pl_sweep_pair;
@@ -152,37 +162,6 @@ typedef struct pl_sweep_loss {
     pl_sweep_ratio speed;    /* < 1; NAN where the first has no point */
     bool within_noise;       /* the interval contains 1; without one, the ratio is above 0.9 */
 } pl_sweep_loss;
-
-/* Whether an order of convergence was found, and if not, why. */
-typedef enum pl_sweep_order_kind {
-    PL_SWEEP_ORDER_FOUND,
-    PL_SWEEP_ORDER_TOO_FEW,        /* fewer than 3 time steps have an error above the floor */
-    PL_SWEEP_ORDER_EXACT,          /* all errors are at the floor */
-    PL_SWEEP_ORDER_NOT_CONVERGING, /* no 3 time steps in a row over which it converges */
-} pl_sweep_order_kind;
-
-/* How fast the error falls with the time step: the slope of log error over log dt, by least squares
- * over the converging part. */
-typedef struct pl_sweep_order {
-    int scene, engine; /* of a profile */
-    int first;         /* a point of the series */
-    pl_sweep_order_kind kind;
-    double order;
-    double deviation;       /* root mean square of the fit, decades of error */
-    double dt_low, dt_high; /* s: the range used */
-    int used, total;        /* time steps: in the fit, and run */
-} pl_sweep_order;
-
-/* Dolan and More 2002: for each engine the costs that reach the level over the least cost of all
- * engines that do. The share of scenes solved within a factor tau of the best is the number of
- * ratios up to tau over `scenes`. */
-typedef struct pl_sweep_profile {
-    int level;
-    pl_sweep_kind kind; /* WHOLE or PROFILE */
-    int scenes;         /* on which all these engines were run */
-    int *counts;        /* (engine_count): ratios of each; 0 for those of the other kind */
-    double *ratios;     /* (engine_count x scene_count): engine by engine, ascending, >= 1 */
-} pl_sweep_profile;
 
 /* The analysis of the results of a sweep. `results` is borrowed, the arrays are owned. */
 typedef struct pl_sweep_analysis {
@@ -203,12 +182,8 @@ typedef struct pl_sweep_analysis {
     int loss_count;
     int fine_losses; /* of those up to 1e-3 */
     int compared;    /* scene, pair with the home engine and level, where one or both are there */
-    pl_sweep_order *orders;
-    int order_count;
-    pl_sweep_profile *profiles; /* whole engines by level, then profiles by level */
-    int profile_count;
-    int run_count;       /* rows, doubles left out */
-    int unjudged;        /* scenes without a primary error: their points are unmeasured */
+    int run_count;   /* rows, doubles left out */
+    int unjudged;    /* scenes without a primary error: their points are unmeasured */
     bool several_hosts;  /* rows come from different processors */
     bool several_builds; /* rows come from different builds or versions of one engine */
 } pl_sweep_analysis;
@@ -229,12 +204,16 @@ int pl_sweep_curve_settings(const pl_sweep_curve *curve);
 /* The engine was run on the scene, with any outcome. */
 bool pl_sweep_curve_was_run(const pl_sweep_curve *curve);
 
-/* The share of a profile's scenes that an engine solves within a factor tau of the best, 0 .. 1;
- * NAN where there is no scene. */
-double pl_sweep_share(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
-                      int engine, double tau);
-
 /* The analysis as one JSON object, plumb.sweep/2 (SCHEMA.md): a new reference. */
 json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis);
+
+/* The same of a table: the conclusion of the study. A new reference. */
+json_t *pl_sweep_conclude(const pl_result_table *results);
+
+/* Whether a profile has several points on a scene of the conclusion: other settings or time steps. */
+bool pl_sweep_has_settings(const json_t *conclusion);
+
+/* The study, whose runs are results of no study: pl_sweep_conclude concludes from them. */
+extern const pl_study pl_sweep_study;
 
 #endif

@@ -1,9 +1,11 @@
 /* The analysis of a sweep as plumb.sweep/2. */
-#include "analysis.h"
+#include "analysis_parts.h"
 
-#include "results/result.h"
+#include "base/heap.h"
+#include "base/statistics.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static json_t *number(double value)
@@ -14,6 +16,12 @@ static json_t *number(double value)
 static json_t *text(const char *value)
 {
     return pl_json_text(value);
+}
+
+/* The text; null where it is empty. */
+static json_t *text_or_null(const char *value)
+{
+    return value[0] == '\0' ? json_null() : text(value);
 }
 
 /* An index; null for none. */
@@ -40,73 +48,70 @@ static json_t *numbers(const double *values, int count)
     return array;
 }
 
-static json_t *ratio_json(const pl_sweep_ratio *ratio)
-{
-    if (isnan(ratio->value)) {
-        return json_null();
-    }
-    return json_pack("{s:o, s:o, s:o}", "value", number(ratio->value), "low", number(ratio->low),
-                     "high", number(ratio->high));
-}
-
-static const char *attained_name(pl_attained_by attained)
-{
-    static const char *const names[] = {"neither", "first only", "second only", "both"};
-    return names[attained];
-}
-
-static json_t *engines_json(const pl_sweep_analysis *analysis)
+/* An array of what `make` gives for each index; what is NULL is left out. */
+static json_t *list(const pl_sweep_analysis *analysis, int count,
+                    json_t *(*make)(const pl_sweep_analysis *analysis, int index))
 {
     json_t *array = json_array();
-    for (int i = 0; i < analysis->engine_count; ++i) {
-        const pl_sweep_engine *engine = &analysis->engines[i];
-        json_array_append_new(array, json_pack("{s:o, s:b, s:b, s:b}", "name", text(engine->name),
-                                               "home", (int)engine->is_home, "all_profiles",
-                                               (int)(engine->kind == PL_SWEEP_WHOLE), "as_shipped",
-                                               (int)(engine->kind == PL_SWEEP_SHIPPED)));
+    for (int i = 0; i < count; ++i) {
+        json_array_append_new(array, make(analysis, i));
     }
     return array;
 }
 
-static json_t *point_json(const pl_sweep_point *point)
+static json_t *ratio_json(const pl_sweep_ratio *ratio)
 {
-    static const char *const states[] = {"ok", "failed", "unmeasured", "unsupported"};
+    return isnan(ratio->value) ? json_null()
+                               : json_pack("{s:o, s:o, s:o}", "value", number(ratio->value), "low",
+                                           number(ratio->low), "high", number(ratio->high));
+}
+
+static json_t *attained_json(pl_attained_by attained)
+{
+    static const char *const names[] = {"neither", "first only", "second only", "both"};
+    return json_string(names[attained]);
+}
+
+static json_t *engine_json(const pl_sweep_analysis *analysis, int i)
+{
+    const pl_sweep_engine *engine = &analysis->engines[i];
+    return json_pack("{s:o, s:b, s:b, s:b}", "name", text(engine->name), "home",
+                     (int)engine->is_home, "all_profiles", (int)(engine->kind == PL_SWEEP_WHOLE),
+                     "as_shipped", (int)(engine->kind == PL_SWEEP_SHIPPED));
+}
+
+/* ---- Points and scenes ---- */
+
+static void add_numbers(const pl_sweep_point *point, json_t *object)
+{
     json_t *costs = json_array();
     for (int i = 0; i < point->sample_count; ++i) {
         json_array_append_new(costs, json_real(point->samples[i].cost));
     }
-    json_t *object = json_pack(
-        "{s:i, s:i, s:i, s:o, s:O?, s:f, s:s, s:o, s:o, s:i}", "scene", point->scene, "engine",
-        point->engines[PL_SWEEP_WHOLE], "profile", point->engines[PL_SWEEP_PROFILE], "label",
-        text(point->label), "settings", json_object_get(point->row, "settings"), "dt", point->dt,
-        "state", states[point->state], "outcome", text(point->outcome), "reason",
-        point->reason[0] == '\0' ? json_null() : text(point->reason), "repeats", point->repeats);
-    if (object != NULL) {
-        json_object_set_new(object, "changes", json_integer(point->changes));
-        json_object_set_new(object, "change",
-                            point->change[0] == '\0' ? json_null() : text(point->change));
-        json_object_set_new(object, "as_shipped",
-                            json_boolean(point->engines[PL_SWEEP_SHIPPED] >= 0));
-    }
-    if (object != NULL && point->state == PL_SWEEP_OK) {
-        json_object_set_new(object, "cost", number(point->cost));
-        json_object_set_new(object, "cost_mad", number(point->cost_mad));
-        json_object_set_new(object, "costs", json_incref(costs));
-        json_object_set_new(object, "error", number(point->error));
-        json_object_set_new(object, "error_as_found", number(point->raw_error));
-        json_object_set_new(object, "instructions", number(point->instructions));
-    }
-    json_decref(costs);
-    return object;
+    json_t *values = json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "cost", number(point->cost),
+                               "cost_mad", number(point->cost_mad), "costs", costs, "error",
+                               number(point->error), "error_as_found", number(point->raw_error),
+                               "instructions", number(point->instructions));
+    json_object_update(object, values);
+    json_decref(values);
 }
 
-static json_t *points_json(const pl_sweep_analysis *analysis)
+static json_t *point_json(const pl_sweep_analysis *analysis, int i)
 {
-    json_t *array = json_array();
-    for (int i = 0; i < analysis->point_count; ++i) {
-        json_array_append_new(array, point_json(&analysis->points[i]));
+    static const char *const states[] = {"ok", "failed", "unmeasured", "unsupported"};
+    const pl_sweep_point *point = &analysis->points[i];
+    json_t *object = json_pack(
+        "{s:i, s:i, s:i, s:b, s:o, s:O?, s:f, s:s, s:o, s:o, s:i, s:i, s:o}", "scene", point->scene,
+        "engine", point->engines[PL_SWEEP_WHOLE], "profile", point->engines[PL_SWEEP_PROFILE],
+        "as_shipped", (int)(point->engines[PL_SWEEP_SHIPPED] >= 0), "label", text(point->label),
+        "settings", json_object_get(point->row, "settings"), "dt", point->dt, "state",
+        states[point->state], "outcome", text(point->outcome), "reason",
+        text_or_null(point->reason), "repeats", point->repeats, "changes", point->changes, "change",
+        text_or_null(point->change));
+    if (point->state == PL_SWEEP_OK) {
+        add_numbers(point, object);
     }
-    return array;
+    return object;
 }
 
 static json_t *curve_json(const pl_sweep_analysis *analysis, const pl_sweep_curve *curve,
@@ -130,49 +135,29 @@ static json_t *curve_json(const pl_sweep_analysis *analysis, const pl_sweep_curv
 static json_t *level_json(const pl_sweep_scene *scene, const pl_sweep_pair *pair, int index, int k)
 {
     const pl_pairwise_comparison *comparison = &scene->comparisons[index];
-    return json_pack(
-        "{s:s, s:o, s:o, s:o, s:o, s:o}", "reached", attained_name(comparison->at_error[k]),
-        "first_point", place(scene->curves[pair->first].cheapest[k]), "second_point",
-        place(scene->curves[pair->second].cheapest[k]), "speed", ratio_json(&comparison->speed[k]),
-        "speed_between", ratio_json(&comparison->speed_between[k]), "instructions",
-        number(comparison->instructions[k]));
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "reached",
+                     attained_json(comparison->at_error[k]), "first_point",
+                     place(scene->curves[pair->first].cheapest[k]), "second_point",
+                     place(scene->curves[pair->second].cheapest[k]), "speed",
+                     ratio_json(&comparison->ratios[PL_SPEED + k]), "speed_between",
+                     ratio_json(&comparison->ratios[PL_SPEED_BETWEEN + k]), "instructions",
+                     number(comparison->instructions[k]));
 }
 
 static json_t *times_json(const pl_pairwise_comparison *comparison)
 {
     json_t *times = json_array();
     for (int k = 0; k < PL_SWEEP_TIMES; ++k) {
-        if (comparison->at_cost[k] == PL_ATTAINED_BY_NEITHER) {
-            continue;
+        if (comparison->at_cost[k] != PL_ATTAINED_BY_NEITHER) {
+            json_array_append_new(
+                times,
+                json_pack("{s:f, s:o, s:o, s:o}", "time", pl_sweep_times[k], "reached",
+                          attained_json(comparison->at_cost[k]), "exactness",
+                          ratio_json(&comparison->ratios[PL_EXACTNESS + k]), "exactness_between",
+                          ratio_json(&comparison->ratios[PL_EXACTNESS_BETWEEN + k])));
         }
-        json_array_append_new(times, json_pack("{s:f, s:s, s:o, s:o}", "time", pl_sweep_times[k],
-                                               "reached", attained_name(comparison->at_cost[k]),
-                                               "exactness", ratio_json(&comparison->exactness[k]),
-                                               "exactness_between",
-                                               ratio_json(&comparison->exactness_between[k])));
     }
     return times;
-}
-
-/* A pair of whole engines also has the same as shipped. */
-static json_t *comparison_json(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                               int index)
-{
-    const pl_sweep_pair *pair = &analysis->pairs[index];
-    const bool has_shipped = pair->shipped >= 0 && scene->comparisons[pair->shipped].run;
-    json_t *levels = json_array();
-    for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-        json_t *level = level_json(scene, pair, index, k);
-        json_object_set_new(level, "level", json_real(pl_sweep_levels[k]));
-        if (has_shipped) {
-            json_object_set_new(
-                level, "as_shipped",
-                level_json(scene, &analysis->pairs[pair->shipped], pair->shipped, k));
-        }
-        json_array_append_new(levels, level);
-    }
-    return json_pack("{s:i, s:i, s:o, s:o}", "first", pair->first, "second", pair->second, "levels",
-                     levels, "times", times_json(&scene->comparisons[index]));
 }
 
 /* Whether a pair has an entry of its own; one as shipped is in that of the whole engines. */
@@ -181,8 +166,36 @@ static bool is_listed(const pl_sweep_analysis *analysis, int pair)
     return analysis->engines[analysis->pairs[pair].first].kind != PL_SWEEP_SHIPPED;
 }
 
-static json_t *scene_json(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene)
+/* Whether tables show a pair. */
+static bool is_shown(const pl_sweep_analysis *analysis, int pair)
 {
+    return analysis->engines[analysis->pairs[pair].first].kind == analysis->shown;
+}
+
+/* A pair of whole engines also has the same as shipped. */
+static json_t *comparison_json(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                               int index)
+{
+    const pl_sweep_pair *pair = &analysis->pairs[index];
+    const int shipped = pair->shipped;
+    json_t *levels = json_array();
+    for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
+        json_t *level = level_json(scene, pair, index, k);
+        json_object_set_new(level, "level", json_real(pl_sweep_levels[k]));
+        if (shipped >= 0 && scene->comparisons[shipped].run) {
+            json_object_set_new(level, "as_shipped",
+                                level_json(scene, &analysis->pairs[shipped], shipped, k));
+        }
+        json_array_append_new(levels, level);
+    }
+    return json_pack("{s:i, s:i, s:b, s:o, s:o}", "first", pair->first, "second", pair->second,
+                     "shown", (int)is_shown(analysis, index), "levels", levels, "times",
+                     times_json(&scene->comparisons[index]));
+}
+
+static json_t *scene_json(const pl_sweep_analysis *analysis, int p)
+{
+    const pl_sweep_scene *scene = &analysis->scenes[p];
     json_t *curves = json_array(), *comparisons = json_array();
     json_t *params = json_copy(json_object_get(scene->row, "params"));
     json_object_del(params, "dt");
@@ -203,14 +216,7 @@ static json_t *scene_json(const pl_sweep_analysis *analysis, const pl_sweep_scen
                      number(scene->noise), "curves", curves, "pairs", comparisons);
 }
 
-static json_t *scenes_json(const pl_sweep_analysis *analysis)
-{
-    json_t *array = json_array();
-    for (int i = 0; i < analysis->scene_count; ++i) {
-        json_array_append_new(array, scene_json(analysis, &analysis->scenes[i]));
-    }
-    return array;
-}
+/* ---- All scenes ---- */
 
 static json_t *mean_json(const pl_sweep_pair *pair, int k)
 {
@@ -220,95 +226,216 @@ static json_t *mean_json(const pl_sweep_pair *pair, int k)
                      pair->scenes - pair->both[k] - pair->first_only[k] - pair->second_only[k]);
 }
 
-static json_t *pairs_json(const pl_sweep_analysis *analysis)
+static json_t *pair_json(const pl_sweep_analysis *analysis, int i)
 {
-    json_t *array = json_array();
-    for (int i = 0; i < analysis->pair_count; ++i) {
-        const pl_sweep_pair *pair = &analysis->pairs[i];
-        json_t *levels = json_array();
-        for (int k = 0; k < PL_SWEEP_LEVELS && is_listed(analysis, i); ++k) {
-            json_t *level = mean_json(pair, k);
-            json_object_set_new(level, "level", json_real(pl_sweep_levels[k]));
-            if (pair->shipped >= 0) {
-                json_object_set_new(level, "as_shipped",
-                                    mean_json(&analysis->pairs[pair->shipped], k));
-            }
-            json_array_append_new(levels, level);
+    const pl_sweep_pair *pair = &analysis->pairs[i];
+    if (!is_listed(analysis, i)) {
+        return NULL;
+    }
+    json_t *levels = json_array();
+    for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
+        json_t *level = mean_json(pair, k);
+        json_object_set_new(level, "level", json_real(pl_sweep_levels[k]));
+        if (pair->shipped >= 0) {
+            json_object_set_new(level, "as_shipped", mean_json(&analysis->pairs[pair->shipped], k));
         }
-        if (is_listed(analysis, i)) {
-            json_array_append_new(array, json_pack("{s:i, s:i, s:i, s:O}", "first", pair->first,
-                                                   "second", pair->second, "scenes", pair->scenes,
-                                                   "levels", levels));
+        json_array_append_new(levels, level);
+    }
+    return json_pack("{s:i, s:i, s:b, s:i, s:o}", "first", pair->first, "second", pair->second,
+                     "shown", (int)is_shown(analysis, i), "scenes", pair->scenes, "levels", levels);
+}
+
+static json_t *loss_json(const pl_sweep_analysis *analysis, int i)
+{
+    const pl_sweep_loss *loss = &analysis->losses[i];
+    const pl_sweep_pair *pair = &analysis->pairs[loss->pair];
+    const pl_sweep_curve *curve = &analysis->scenes[loss->scene].curves[pair->first];
+    return json_pack("{s:i, s:i, s:i, s:f, s:o, s:o, s:o, s:o, s:b, s:i}", "scene", loss->scene,
+                     "first", pair->first, "second", pair->second, "level",
+                     pl_sweep_levels[loss->level], "reached", attained_json(loss->attained),
+                     "first_point", place(loss->first), "second_point", place(loss->second),
+                     "speed", ratio_json(&loss->speed), "within_noise", (int)loss->within_noise,
+                     "settings", pl_sweep_curve_settings(curve));
+}
+
+/* ---- Performance profiles (Dolan and More 2002) ---- */
+
+/* Whether all engines of the kind were run on the scene, and it has a primary error. */
+static bool belongs(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                    pl_sweep_kind kind)
+{
+    for (int e = 0; e < analysis->engine_count; ++e) {
+        if (analysis->engines[e].kind == kind && !pl_sweep_curve_was_run(&scene->curves[e])) {
+            return false;
         }
-        json_decref(levels);
     }
-    return array;
+    return scene->primary_error[0] != '\0';
 }
 
-static json_t *losses_json(const pl_sweep_analysis *analysis)
+/* The engine's cost at the level; INFINITY where no point of it has that error. */
+static double cost_of(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int engine,
+                      int level)
 {
-    json_t *array = json_array();
-    for (int i = 0; i < analysis->loss_count; ++i) {
-        const pl_sweep_loss *loss = &analysis->losses[i];
-        const pl_sweep_pair *pair = &analysis->pairs[loss->pair];
-        json_array_append_new(
-            array,
-            json_pack("{s:i, s:i, s:i, s:f, s:s, s:o, s:o, s:o, s:b}", "scene", loss->scene,
-                      "first", pair->first, "second", pair->second, "level",
-                      pl_sweep_levels[loss->level], "reached", attained_name(loss->attained),
-                      "first_point", place(loss->first), "second_point", place(loss->second),
-                      "speed", ratio_json(&loss->speed), "within_noise", (int)loss->within_noise));
-    }
-    return array;
+    const int reached = scene->curves[engine].cheapest[level];
+    return reached < 0 ? (double)INFINITY : analysis->points[reached].cost;
 }
 
-static json_t *orders_json(const pl_sweep_analysis *analysis)
+/* The engine's costs at a level over the least costs of all engines of its kind, ascending. */
+static json_t *ratios_json(const pl_sweep_analysis *analysis, int engine, int level)
 {
-    static const char *const kinds[] = {"found", "too few time steps", "exact", "not converging"};
-    json_t *array = json_array();
-    for (int i = 0; i < analysis->order_count; ++i) {
-        const pl_sweep_order *order = &analysis->orders[i];
-        json_array_append_new(
-            array,
-            json_pack("{s:i, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:i, s:i}", "scene", order->scene,
-                      "engine", order->engine, "point", order->first, "finding", kinds[order->kind],
-                      "order", number(order->order), "deviation", number(order->deviation),
-                      "dt_low", number(order->dt_low), "dt_high", number(order->dt_high), "used",
-                      order->used, "total", order->total));
-    }
-    return array;
-}
-
-static json_t *profiles_json(const pl_sweep_analysis *analysis)
-{
-    json_t *array = json_array();
-    for (int i = 0; i < analysis->profile_count; ++i) {
-        const pl_sweep_profile *profile = &analysis->profiles[i];
-        json_t *engines = json_array();
+    const pl_sweep_kind kind = analysis->engines[engine].kind;
+    double *ratios = pl_heap_new((size_t)analysis->scene_count, sizeof *ratios);
+    int count = 0;
+    for (int p = 0; p < analysis->scene_count; ++p) {
+        const pl_sweep_scene *scene = &analysis->scenes[p];
+        const double cost = cost_of(analysis, scene, engine, level);
+        double least = cost;
         for (int e = 0; e < analysis->engine_count; ++e) {
-            const double *ratios = profile->ratios + (size_t)e * (size_t)analysis->scene_count;
-            if (analysis->engines[e].kind == profile->kind) {
-                json_array_append_new(engines, json_pack("{s:i, s:o}", "engine", e, "ratios",
-                                                         numbers(ratios, profile->counts[e])));
-            }
+            least = analysis->engines[e].kind == kind
+                        ? fmin(least, cost_of(analysis, scene, e, level))
+                        : least;
         }
-        json_array_append_new(array, json_pack("{s:f, s:b, s:i, s:o}", "level",
-                                               pl_sweep_levels[profile->level], "all_profiles",
-                                               (int)(profile->kind == PL_SWEEP_WHOLE), "scenes",
-                                               profile->scenes, "engines", engines));
+        if (isfinite(cost) && belongs(analysis, scene, kind)) {
+            ratios[count++] = cost / least;
+        }
     }
+    pl_sort_numbers(ratios, count);
+    json_t *array = numbers(ratios, count);
+    free(ratios);
     return array;
+}
+
+/* First those of whole engines by level, then those of profiles. */
+static json_t *profile_json(const pl_sweep_analysis *analysis, int i)
+{
+    const pl_sweep_kind kind = i < PL_SWEEP_LEVELS ? PL_SWEEP_WHOLE : PL_SWEEP_PROFILE;
+    const int level = i % PL_SWEEP_LEVELS;
+    int scenes = 0;
+    json_t *engines = json_array();
+    for (int p = 0; p < analysis->scene_count; ++p) {
+        scenes += belongs(analysis, &analysis->scenes[p], kind);
+    }
+    for (int e = 0; e < analysis->engine_count; ++e) {
+        if (analysis->engines[e].kind == kind) {
+            json_array_append_new(engines, json_pack("{s:i, s:o}", "engine", e, "ratios",
+                                                     ratios_json(analysis, e, level)));
+        }
+    }
+    return json_pack("{s:f, s:b, s:i, s:o}", "level", pl_sweep_levels[level], "all_profiles",
+                     (int)(kind == PL_SWEEP_WHOLE), "scenes", scenes, "engines", engines);
+}
+
+/* ---- In words ---- */
+
+/* How many comparisons the home engine loses, or without one how many pairs were compared. */
+static char *statement_of(const pl_sweep_analysis *analysis)
+{
+    const char *home = analysis->results->home;
+    bool others = false;
+    int within = 0, pairs = 0;
+    for (int i = 0; i < analysis->engine_count; ++i) {
+        others |= !analysis->engines[i].is_home;
+    }
+    for (int i = 0; i < analysis->loss_count; ++i) {
+        within += analysis->losses[i].within_noise;
+    }
+    for (int i = 0; i < analysis->pair_count; ++i) {
+        pairs += is_shown(analysis, i);
+    }
+    if (home == NULL) {
+        return pl_heap_format("%d %s of engines compared.", pairs, pairs == 1 ? "pair" : "pairs");
+    }
+    if (!others) {
+        return pl_heap_copy("Nothing was compared: these results hold no other engine.");
+    }
+    if (analysis->compared == 0) {
+        return pl_heap_format("Nothing was compared: on no scene did %s or another engine that was "
+                              "run on it reach any of the errors.",
+                              home);
+    }
+    if (analysis->loss_count == 0) {
+        return pl_heap_format("No losses: in none of %d comparisons (scene, engine, error) is "
+                              "another engine's front ahead of that of %s.",
+                              analysis->compared, home);
+    }
+    return pl_heap_format("Another engine's front is ahead of that of %s in %d of %d comparisons "
+                          "(scene, engine, error): in %d at errors up to 1e-3, in %d at larger "
+                          "ones; %d of all are within noise.",
+                          home, analysis->loss_count, analysis->compared, analysis->fine_losses,
+                          analysis->loss_count - analysis->fine_losses, within);
+}
+
+/* Which engines' adapters conformance checks have not verified; "" where all have. */
+static char *unverified_of(const pl_sweep_analysis *analysis)
+{
+    pl_text_buffer said = {0};
+    for (int i = 0; i < analysis->engine_count; ++i) {
+        const pl_sweep_engine *engine = &analysis->engines[i];
+        if (engine->unverified != NULL) {
+            pl_text_format(&said, "%s %s",
+                           said.length > 0
+                               ? ""
+                               : "Not verified, so that a difference may be the adapter's: run "
+                                 "plumb check-engine",
+                           engine->unverified[0] != '\0' ? engine->unverified : engine->name);
+        }
+    }
+    pl_text_add(&said, said.length > 0 ? "." : "");
+    return pl_text_take(&said);
+}
+
+/* Sets the text, unless it is empty, and frees it. */
+static void set_said(json_t *json, const char *key, char *said)
+{
+    if (said[0] != '\0') {
+        json_object_set_new(json, key, text(said));
+    }
+    free(said);
 }
 
 json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis)
 {
-    return json_pack(
+    json_t *json = json_pack(
         "{s:s, s:i, s:f, s:i, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "schema",
         "plumb.sweep/2", "runs", analysis->run_count, "error_floor", pl_sweep_error_floor, "draws",
         PL_BOOTSTRAP_REPLICATES, "levels", numbers(pl_sweep_levels, PL_SWEEP_LEVELS), "times",
         numbers(pl_sweep_times, PL_SWEEP_TIMES), "several_hosts", (int)analysis->several_hosts,
-        "several_builds", (int)analysis->several_builds, "engines", engines_json(analysis),
-        "losses", losses_json(analysis), "pairs", pairs_json(analysis), "profiles",
-        profiles_json(analysis), "orders", orders_json(analysis), "scenes", scenes_json(analysis),
-        "points", points_json(analysis));
+        "several_builds", (int)analysis->several_builds, "engines",
+        list(analysis, analysis->engine_count, engine_json), "losses",
+        list(analysis, analysis->loss_count, loss_json), "pairs",
+        list(analysis, analysis->pair_count, pair_json), "profiles",
+        list(analysis, 2 * PL_SWEEP_LEVELS, profile_json), "orders", pl_orders_find(analysis),
+        "scenes", list(analysis, analysis->scene_count, scene_json), "points",
+        list(analysis, analysis->point_count, point_json));
+    if (analysis->results->home != NULL) {
+        json_object_set_new(json, "home", json_string(analysis->results->home));
+    }
+    char *statement = statement_of(analysis);
+    set_said(json, "statement",
+             analysis->unjudged == 0
+                 ? pl_heap_copy(statement)
+                 : pl_heap_format("%s %d of %d scenes have no primary error and are not judged.",
+                                  statement, analysis->unjudged, analysis->scene_count));
+    set_said(json, "warning",
+             pl_heap_format("%s%s",
+                            analysis->several_hosts
+                                ? "These runs come from several processors: ratios of time between "
+                                  "them mean little. "
+                                : "",
+                            analysis->several_builds
+                                ? "These runs come from several builds of plumb or versions of an "
+                                  "engine, which share a front here. "
+                                : ""));
+    set_said(json, "unverified", unverified_of(analysis));
+    free(statement);
+    return json;
+}
+
+json_t *pl_sweep_conclude(const pl_result_table *results)
+{
+    pl_sweep_analysis analysis;
+    pl_sweep_analyse(results, &analysis);
+    json_t *conclusion = pl_sweep_to_json(&analysis);
+    pl_sweep_analysis_free(&analysis);
+    return conclusion;
 }

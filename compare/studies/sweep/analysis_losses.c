@@ -44,7 +44,7 @@ static void note_loss(pl_sweep_analysis *analysis, int p, int pair, int level)
     const pl_sweep_scene *scene = &analysis->scenes[p];
     const pl_pairwise_comparison *comparison = &scene->comparisons[pair];
     const pl_attained_by attained = comparison->at_error[level];
-    const pl_sweep_ratio *speed = &comparison->speed[level];
+    const pl_sweep_ratio *speed = &comparison->ratios[PL_SPEED + level];
     analysis->compared += attained != PL_ATTAINED_BY_NEITHER;
     if (attained != PL_ATTAINED_BY_SECOND_ONLY &&
         !(attained == PL_ATTAINED_BY_BOTH && speed->value < 1)) {

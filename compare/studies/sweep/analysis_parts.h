@@ -27,11 +27,10 @@ double pl_front_cost_at_error(const pl_sweep_sample *front, int count, double er
 /* The error at a cost, interpolated in the same way; NAN outside of the front. */
 double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double cost);
 
-/* A front read at all levels and times; NAN where it has no value. `cost` and `error` are of its
- * samples, the others are interpolated. */
+/* A front read at all levels and times, at the places of its ratios (PL_SPEED ...): costs and errors of its samples,
+ * and interpolated ones. NAN where it has no value. */
 typedef struct pl_front_reading {
-    double cost[PL_SWEEP_LEVELS], cost_between[PL_SWEEP_LEVELS];
-    double error[PL_SWEEP_TIMES], error_between[PL_SWEEP_TIMES];
+    double at[PL_READINGS];
 } pl_front_reading;
 
 /* Reads a front of `count` samples at all levels and times of a sweep. */
@@ -51,7 +50,25 @@ void pl_list_losses(pl_sweep_analysis *analysis);
 
 /* ---- Observed orders of convergence ---- */
 
-/* Fills kind, order, deviation, range and counts of *order from time steps dt (s, falling) and
+/* Whether an order of convergence was found, and if not, why. */
+typedef enum pl_sweep_order_kind {
+    PL_SWEEP_ORDER_FOUND,
+    PL_SWEEP_ORDER_TOO_FEW,        /* fewer than 3 time steps have an error above the floor */
+    PL_SWEEP_ORDER_EXACT,          /* all errors are at the floor */
+    PL_SWEEP_ORDER_NOT_CONVERGING, /* no 3 time steps in a row over which it converges */
+} pl_sweep_order_kind;
+
+/* How fast the error falls with the time step: the slope of log error over log dt, by least squares
+ * over the converging part. */
+typedef struct pl_sweep_order {
+    pl_sweep_order_kind kind;
+    double order;
+    double deviation;       /* root mean square of the fit, decades of error */
+    double dt_low, dt_high; /* s: the range used */
+    int used, total;        /* time steps: in the fit, and run */
+} pl_sweep_order;
+
+/* Fills *order from time steps dt (s, falling) and
  * their errors (NAN: none; not below the floor).
  *
  * The converging part is the longest segment of neighbouring time steps in which the error is above
@@ -60,7 +77,7 @@ void pl_list_losses(pl_sweep_analysis *analysis);
  * there the steps are still too large, or something other than the step limits the error. */
 void pl_order_fit(const double *dt, const double *error, int count, pl_sweep_order *order);
 
-/* Finds the orders of all series of two time steps or more. */
-void pl_orders_find(pl_sweep_analysis *analysis);
+/* The orders of all series of two time steps or more with an error, as in plumb.sweep/2. */
+json_t *pl_orders_find(const pl_sweep_analysis *analysis);
 
 #endif

@@ -175,16 +175,6 @@ static void measure(const pl_result_row *const *rows, int count, pl_sweep_point 
 
 /* ---- Engines ---- */
 
-static int find_engine(const pl_sweep_analysis *analysis, const char *name, pl_sweep_kind kind)
-{
-    for (int i = 0; i < analysis->engine_count; ++i) {
-        if (analysis->engines[i].kind == kind && strcmp(analysis->engines[i].name, name) == 0) {
-            return i;
-        }
-    }
-    return -1;
-}
-
 /* The engine, or with its profile; one with a label of its own goes by that. */
 static void name_engine(const pl_result_row *row, pl_sweep_kind kind, char name[128])
 {
@@ -210,42 +200,61 @@ static int compare_listed(const void *left, const void *right)
     return strcmp(a->name, b->name);
 }
 
-/* Adds the engine of a row, in one of its kinds, unless it is there. */
+/* The engine of a row, of that kind; -1: it is not listed. */
+static int find_engine(const pl_sweep_analysis *analysis, const pl_result_row *row,
+                       pl_sweep_kind kind)
+{
+    char name[128];
+    name_engine(row, kind, name);
+    int i = analysis->engine_count - 1;
+    while (i >= 0 &&
+           (analysis->engines[i].kind != kind || strcmp(analysis->engines[i].name, name) != 0)) {
+        --i;
+    }
+    return i;
+}
+
+static bool is_listed_as(const pl_result_row *row, pl_sweep_kind kind)
+{
+    return kind != PL_SWEEP_SHIPPED || json_is_true(json_object_get(row->result, "as_shipped"));
+}
+
+/* Adds the engine of a row, of one of its kinds, unless it is there. */
 static void list_engine(const pl_result_row *row, pl_sweep_kind kind, pl_sweep_analysis *analysis)
 {
     const bool is_home = analysis->results->configurations[row->configuration].is_home;
-    pl_sweep_engine engine = {.is_home = is_home, .kind = kind};
-    name_engine(row, kind, engine.name);
-    if (find_engine(analysis, engine.name, kind) < 0) {
+    const json_t *record = json_object_get(row->result, "conformance");
+    int place = find_engine(analysis, row, kind);
+    if (place < 0) {
+        pl_sweep_engine engine = {.is_home = is_home, .kind = kind};
+        name_engine(row, kind, engine.name);
+        place = analysis->engine_count;
         pl_push(&analysis->engines, &analysis->engine_count, &engine, sizeof engine);
     }
-    analysis->engines[find_engine(analysis, engine.name, kind)].is_home &= is_home;
-    const json_t *record = json_object_get(row->result, "conformance");
+    analysis->engines[place].is_home &= is_home;
     if (kind == PL_SWEEP_PROFILE && strcmp(pl_json_get_text(record, "outcome"), "passed") != 0) {
-        analysis->engines[find_engine(analysis, engine.name, kind)].unverified = row->spec;
+        analysis->engines[place].unverified = row->spec;
     }
-}
-
-static bool is_as_shipped(const pl_result_row *row)
-{
-    return json_is_true(json_object_get(row->result, "as_shipped"));
 }
 
 static void list_engines(pl_sweep_analysis *analysis)
 {
-    for (int i = 0; i < analysis->results->row_count; ++i) {
-        const pl_result_row *row = &analysis->results->rows[i];
-        list_engine(row, PL_SWEEP_WHOLE, analysis);
-        list_engine(row, PL_SWEEP_PROFILE, analysis);
-        if (is_as_shipped(row)) {
-            list_engine(row, PL_SWEEP_SHIPPED, analysis);
+    bool has_home[PL_SWEEP_KINDS] = {false};
+    for (int i = 0; i < PL_SWEEP_KINDS * analysis->results->row_count; ++i) {
+        const pl_result_row *row = &analysis->results->rows[i / PL_SWEEP_KINDS];
+        const pl_sweep_kind kind = (pl_sweep_kind)(i % PL_SWEEP_KINDS);
+        if (is_listed_as(row, kind)) {
+            list_engine(row, kind, analysis);
         }
     }
     qsort(analysis->engines, (size_t)analysis->engine_count, sizeof *analysis->engines,
           compare_listed);
-    bool has_home[PL_SWEEP_KINDS] = {false};
     for (int i = 0; i < analysis->engine_count; ++i) {
         has_home[analysis->engines[i].kind] |= analysis->engines[i].is_home;
+    }
+    for (int i = 0; i < analysis->engine_count; ++i) {
+        pl_sweep_engine *engine = &analysis->engines[i];
+        engine->is_first = engine->is_home || !has_home[engine->kind];
     }
     analysis->shown =
         has_home[PL_SWEEP_PROFILE] && !has_home[PL_SWEEP_WHOLE] ? PL_SWEEP_PROFILE : PL_SWEEP_WHOLE;
@@ -319,70 +328,49 @@ static uint64_t hash_of(const pl_result_row *row)
     return pl_hash_text(hash_json(hash_json(PL_HASH_START, scene), series), dt);
 }
 
-/* Adds the point of neighbouring cells: first the scene itself, then its changes. */
-static void add_point(const pl_result_cell *const *cells, int count, pl_sweep_analysis *analysis)
+/* Adds the point of a configuration on the cases [first, end): the scene itself, then its changes. */
+static void add_point(const pl_result_scene *scene, int first, int end, int configuration,
+                      pl_sweep_analysis *analysis)
 {
     const pl_result_row **rows = NULL;
-    int row_count = 0;
-    for (int i = 0; i < count; ++i) {
-        for (int k = 0; k < cells[i]->count; ++k) {
-            const pl_result_row *row = &cells[i]->rows[k];
-            pl_push(&rows, &row_count, &row, sizeof(const pl_result_row *));
+    int count = 0;
+    for (int i = first; i < end; ++i) {
+        const pl_result_cell *cell = pl_result_case_cell(&scene->cases[i], configuration);
+        for (int k = 0; cell != NULL && k < cell->count; ++k) {
+            const pl_result_row *row = &cell->rows[k];
+            pl_push(&rows, &count, &row, sizeof(const pl_result_row *));
         }
     }
-    pl_sweep_point point = {.scene = analysis->scene_count - 1,
-                            .configuration = cells[0]->configuration,
-                            .dt = cells[0]->rows->dt,
-                            .hash = hash_of(cells[0]->rows)};
-    for (int kind = 0; kind < PL_SWEEP_KINDS; ++kind) {
-        char name[128];
-        name_engine(rows[0], (pl_sweep_kind)kind, name);
-        point.engines[kind] = kind == PL_SWEEP_SHIPPED && !is_as_shipped(rows[0])
-                                  ? -1
-                                  : find_engine(analysis, name, (pl_sweep_kind)kind);
+    if (count == 0) {
+        return;
     }
-    measure(rows, row_count, &point);
+    pl_sweep_point point = {.scene = analysis->scene_count - 1,
+                            .configuration = configuration,
+                            .dt = rows[0]->dt,
+                            .hash = hash_of(rows[0])};
+    for (int kind = 0; kind < PL_SWEEP_KINDS; ++kind) {
+        point.engines[kind] = is_listed_as(rows[0], (pl_sweep_kind)kind)
+                                  ? find_engine(analysis, rows[0], (pl_sweep_kind)kind)
+                                  : -1;
+    }
+    measure(rows, count, &point);
     pl_push(&analysis->points, &analysis->point_count, &point, sizeof point);
     ++analysis->scenes[point.scene].count;
     free(rows);
 }
 
-/* By configuration, then in the order of the cases. */
-static int compare_cells(const void *left, const void *right)
-{
-    const pl_result_cell *a = *(const pl_result_cell *const *)left;
-    const pl_result_cell *b = *(const pl_result_cell *const *)right;
-    return a->configuration != b->configuration ? a->configuration - b->configuration
-                                                : a->test_case - b->test_case;
-}
-
-/* Whether the cell belongs to the point of the one before it. */
-static bool is_of_same_point(const pl_result_cell *before, const pl_result_cell *cell)
-{
-    return before->configuration == cell->configuration && before->rows->dt == cell->rows->dt &&
-           is_changed(cell->rows);
-}
-
 static void add_points(const pl_result_scene *scene, pl_sweep_analysis *analysis)
 {
-    const pl_result_cell **cells = NULL;
-    int count = 0;
-    for (int i = 0; i < scene->count; ++i) {
-        for (int k = 0; k < scene->cases[i].count; ++k) {
-            const pl_result_cell *cell = &scene->cases[i].cells[k];
-            pl_push(&cells, &count, &cell, sizeof(const pl_result_cell *));
+    for (int c = 0; c < analysis->results->configuration_count; ++c) {
+        for (int first = 0, end; first < scene->count; first = end) {
+            const pl_result_case *cases = scene->cases;
+            for (end = first + 1; end < scene->count && is_changed(cases[end].row) &&
+                                  cases[end].row->dt == cases[first].row->dt;) {
+                ++end;
+            }
+            add_point(scene, first, end, c, analysis);
         }
     }
-    if (count > 0) {
-        qsort(cells, (size_t)count, sizeof(const pl_result_cell *), compare_cells);
-    }
-    for (int first = 0, next; first < count; first = next) {
-        for (next = first + 1; next < count && is_of_same_point(cells[next - 1], cells[next]);) {
-            ++next;
-        }
-        add_point(&cells[first], next - first, analysis);
-    }
-    free(cells);
 }
 
 /* The unit of the primary error, as the first result that has one states it. */

@@ -108,12 +108,24 @@ void pl_order_fit(const double *dt, const double *error, int count, pl_sweep_ord
     free(scratch);
 }
 
-void pl_orders_find(pl_sweep_analysis *analysis)
+static json_t *order_json(const pl_sweep_analysis *analysis, int first, const pl_sweep_order *order)
+{
+    static const char *const kinds[] = {"found", "too few time steps", "exact", "not converging"};
+    const pl_sweep_point *point = &analysis->points[first];
+    return json_pack(
+        "{s:i, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:i, s:i}", "scene", point->scene, "engine",
+        point->engines[PL_SWEEP_PROFILE], "point", first, "finding", kinds[order->kind], "order",
+        pl_json_number_or_null(order->order), "deviation", pl_json_number_or_null(order->deviation),
+        "dt_low", pl_json_number_or_null(order->dt_low), "dt_high",
+        pl_json_number_or_null(order->dt_high), "used", order->used, "total", order->total);
+}
+
+json_t *pl_orders_find(const pl_sweep_analysis *analysis)
 {
     const int count = analysis->point_count;
     double *dt = pl_heap_new((size_t)count, sizeof *dt);
     double *errors = pl_heap_new((size_t)count, sizeof *errors);
-    analysis->orders = pl_heap_new((size_t)count, sizeof *analysis->orders);
+    json_t *orders = json_array();
     for (int first = 0, next; first < count; first = next) {
         const pl_sweep_point *point = &analysis->points[first];
         bool is_known = false;
@@ -125,12 +137,12 @@ void pl_orders_find(pl_sweep_analysis *analysis)
             is_known = is_known || !isnan(errors[next - first]);
         }
         if (next - first > 1 && is_known) {
-            pl_sweep_order *order = &analysis->orders[analysis->order_count++];
-            *order = (pl_sweep_order){
-                .scene = point->scene, .engine = point->engines[PL_SWEEP_PROFILE], .first = first};
-            pl_order_fit(dt, errors, next - first, order);
+            pl_sweep_order order;
+            pl_order_fit(dt, errors, next - first, &order);
+            json_array_append_new(orders, order_json(analysis, first, &order));
         }
     }
     free(dt);
     free(errors);
+    return orders;
 }

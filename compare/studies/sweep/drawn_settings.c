@@ -36,96 +36,81 @@ static double value_at(const pl_engine_option *option, const pl_tunable *tunable
     return fmin(fmax(strtod(text, NULL), low), high);
 }
 
-/* Whether the user gave the option another value than the profile's. */
-static bool is_set(const pl_engine_choice *choice, int option)
-{
-    const double *defaults = pl_engine_profile_values(choice->engine, choice->profile);
-    return choice->values[option] != defaults[option];
-}
-
-/* Draws the options that the setting's profile is tuned by. */
-static void draw_options(const drawn_engine *e, int number, pl_engine_choice *choice)
-{
-    for (int i = 0; i < e->engine->option_count; ++i) {
-        const pl_engine_option *option = &e->engine->options[i];
-        pl_tunable tunable;
-        if (pl_tunable_find(choice->engine, choice->profile, i, &tunable) && !is_set(choice, i)) {
-            choice->values[i] = value_at(option, &tunable, place_of(e, option->name, number));
-        }
-    }
-}
-
+/* Draws the profile, the step, and the options that the profile is tuned by, unless the user gave them another value. */
 static pl_setting draw_setting(const drawn_engine *e, int number)
 {
     const int profile = (int)(place_of(e, "profile", number) * e->choice_count);
     const int step = (int)(place_of(e, "dt", number) * e->def->step_count);
     pl_setting setting = {e->choices[profile], e->def->steps[step]};
-    draw_options(e, number, &setting.choice);
+    pl_engine_choice *choice = &setting.choice;
+    const double *defaults = pl_engine_profile_values(e->engine, choice->profile);
+    for (int i = 0; i < e->engine->option_count; ++i) {
+        const pl_engine_option *option = &e->engine->options[i];
+        pl_tunable tunable;
+        if (pl_tunable_find(e->engine, choice->profile, i, &tunable) &&
+            choice->values[i] == defaults[i]) {
+            choice->values[i] = value_at(option, &tunable, place_of(e, option->name, number));
+        }
+    }
     return setting;
 }
 
-/* The engine that configuration number `index` begins, with the profiles to draw from. False where
- * it was begun before, or cannot be asked. */
-static bool begin_engine(drawn_engine *e, int index)
+/* A configuration with a label is an engine for itself. */
+static bool is_alike(const pl_engine_choice *a, const pl_engine_choice *b)
 {
-    const pl_plan *plan = e->def->plan;
-    const pl_engine_choice *first = &plan->configurations[index].choice;
-    const bool is_labelled = first->label[0] != '\0';
-    e->engine = first->engine;
-    e->choice_count = 0;
-    if (first->engine->fault.is_fault) {
-        return false;
-    }
-    for (int i = 0; i < plan->configuration_count && !is_labelled; ++i) {
-        const pl_engine_choice *choice = &plan->configurations[i].choice;
-        if (choice->engine != first->engine || choice->label[0] != '\0') {
-            continue;
-        }
-        if (i < index) {
-            return false;
-        }
-        if (e->choice_count < PL_ENGINE_MAX_PROFILES && !e->def->all_profiles) {
-            e->choices[e->choice_count++] = *choice;
-        }
-    }
-    for (int i = 0; i < first->engine->profile_count && !is_labelled && e->def->all_profiles; ++i) {
-        const pl_engine_choice of_profile = {.engine = first->engine, .profile = i};
-        e->choices[e->choice_count++] = pl_tune_defaults(&of_profile);
-    }
-    if (is_labelled) {
-        e->choices[e->choice_count++] = *first;
-    }
-    return e->choice_count > 0;
-}
-
-pl_drawn_settings pl_draw_settings(const pl_draw_def *def)
-{
-    const int most = def->plan->configuration_count;
-    drawn_engine *engines = pl_heap_new((size_t)most + 1, sizeof *engines);
-    pl_drawn_settings drawn = {.count = 0};
-    int count = 0;
-    for (int i = 0; i < most; ++i) {
-        engines[count].def = def;
-        count += begin_engine(&engines[count], i);
-    }
-    for (int i = 0; i < def->settings; ++i) {
-        for (int k = 0; k < count; ++k) {
-            const pl_setting setting = draw_setting(&engines[k], i);
-            pl_push(&drawn.items, &drawn.count, &setting, sizeof setting);
-        }
-    }
-    free(engines);
-    return drawn;
+    return a->engine == b->engine && strcmp(a->label, b->label) == 0;
 }
 
 const pl_configuration *pl_drawn_from(const pl_plan *plan, const pl_setting *setting)
 {
     const pl_configuration *from = plan->configurations;
-    while (from->choice.engine != setting->choice.engine ||
-           strcmp(from->choice.label, setting->choice.label) != 0) {
+    while (!is_alike(&from->choice, &setting->choice)) {
         ++from;
     }
     return from;
+}
+
+/* The engine that configuration number `index` begins, with the profiles to draw from; without any where it was begun
+ * before, or cannot be asked. */
+static drawn_engine begin_engine(const pl_draw_def *def, int index)
+{
+    const pl_plan *plan = def->plan;
+    const pl_engine_choice *first = &plan->configurations[index].choice;
+    const bool all_profiles = def->all_profiles && first->label[0] == '\0';
+    drawn_engine e = {.def = def, .engine = first->engine};
+    const int most = all_profiles ? e.engine->profile_count : plan->configuration_count;
+    if (pl_drawn_from(plan, &(pl_setting){.choice = *first}) != &plan->configurations[index] ||
+        e.engine->fault.is_fault) {
+        return e;
+    }
+    for (int i = 0; i < most && e.choice_count < PL_ENGINE_MAX_PROFILES; ++i) {
+        const pl_engine_choice of_profile = {.engine = e.engine, .profile = i};
+        if (all_profiles) {
+            e.choices[e.choice_count++] = pl_tune_defaults(&of_profile);
+        } else if (is_alike(&plan->configurations[i].choice, first)) {
+            e.choices[e.choice_count++] = plan->configurations[i].choice;
+        }
+    }
+    return e;
+}
+
+pl_drawn_settings pl_draw_settings(const pl_draw_def *def)
+{
+    pl_drawn_settings drawn = {.count = 0};
+    drawn_engine *engines = NULL;
+    int count = 0;
+    for (int i = 0; i < def->plan->configuration_count; ++i) {
+        const drawn_engine e = begin_engine(def, i);
+        if (e.choice_count > 0) {
+            pl_push(&engines, &count, &e, sizeof e);
+        }
+    }
+    for (int i = 0; i < def->settings * count; ++i) {
+        const pl_setting setting = draw_setting(&engines[i % count], i / count);
+        pl_push(&drawn.items, &drawn.count, &setting, sizeof setting);
+    }
+    free(engines);
+    return drawn;
 }
 
 void pl_drawn_settings_free(pl_drawn_settings *drawn)

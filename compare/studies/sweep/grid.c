@@ -2,7 +2,6 @@
 #include "grid.h"
 
 #include "base/heap.h"
-#include "grid_keys.h"
 #include "results/store.h"
 #include "studies/variant.h"
 
@@ -11,16 +10,252 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The number of configurations, before equal ones are merged. */
-static double count_configurations(const pl_grid_def *def)
+enum { MOST_KEYS = PL_MAX_PARAMS + PL_ENGINE_MAX_OPTIONS + 1 };
+
+/* The keys that apply to a case or a configuration, in the order given. */
+typedef struct grid_keys {
+    int items[MOST_KEYS];  /* (count) into pl_grid_def.varied */
+    int values[MOST_KEYS]; /* (count) numbers of values; of profiles, those that exist */
+    int count;
+} grid_keys;
+
+/* The number of combinations of the keys' values. It is a double, because it may be huge before it
+ * is refused. */
+static double combinations(const grid_keys *keys)
 {
-    double count = 0;
-    for (int i = 0; i < def->base->configuration_count; ++i) {
-        pl_grid_keys keys = pl_grid_keys_of_configuration(def, &def->base->configurations[i]);
-        count += pl_grid_combinations(&keys);
+    double count = 1;
+    for (int i = 0; i < keys->count; ++i) {
+        count *= keys->values[i];
     }
     return count;
 }
+
+/* The index of the value of key number `key` in a combination; the last key varies fastest. */
+static int digit(const grid_keys *keys, long combination, int key)
+{
+    for (int i = keys->count - 1; i > key; --i) {
+        combination /= keys->values[i];
+    }
+    return (int)(combination % keys->values[key]);
+}
+
+/* A subject is a case or, after all cases, a configuration. This is the engine of a configuration; NULL: of a case. */
+static const pl_engine_info *engine_of(const pl_plan *base, int subject)
+{
+    return subject < base->case_count
+               ? NULL
+               : base->configurations[subject - base->case_count].choice.engine;
+}
+
+static const char *name_of(const pl_plan *base, int subject)
+{
+    const pl_engine_info *engine = engine_of(base, subject);
+    return engine != NULL ? engine->name : base->cases[subject].name;
+}
+
+/* The number of values that the key has for a subject, of profiles those that its engine has; 0 where it does not have
+ * the key. */
+static int count_values(const pl_plan *base, int subject, const pl_vary *vary)
+{
+    const pl_engine_info *engine = engine_of(base, subject);
+    int count = 0;
+    if (!pl_vary_is_of(vary, name_of(base, subject))) {
+        return 0;
+    }
+    for (int i = 0; vary->names != NULL && engine != NULL && i < vary->count; ++i) {
+        count += pl_engine_profile_index(engine, vary->names[i]) >= 0;
+    }
+    const bool has =
+        vary->names == NULL &&
+        (engine != NULL ? pl_engine_option_index(engine, vary->key)
+                        : pl_scenario_param(base->cases[subject].descriptor, vary->key)) >= 0;
+    return has ? vary->count : count;
+}
+
+/* Whether another key, which is restricted to `name`, takes precedence. */
+static bool is_replaced(const pl_grid_def *def, const pl_vary *vary, const char *name)
+{
+    bool found = false;
+    for (int i = 0; vary->owner[0] == '\0' && i < def->varied_count; ++i) {
+        const pl_vary *other = &def->varied[i];
+        found |= strcmp(other->owner, name) == 0 && strcmp(other->key, vary->key) == 0;
+    }
+    return found;
+}
+
+static grid_keys keys_of(const pl_grid_def *def, int subject)
+{
+    grid_keys keys = {.count = 0};
+    for (int i = 0; i < def->varied_count; ++i) {
+        const int values = count_values(def->base, subject, &def->varied[i]);
+        if (values > 0 && !is_replaced(def, &def->varied[i], name_of(def->base, subject))) {
+            keys.values[keys.count] = values;
+            keys.items[keys.count++] = i;
+        }
+    }
+    return keys;
+}
+
+/* ---- Checks of keys ---- */
+
+/* The names that a word could have meant. */
+typedef struct names {
+    const char **items;
+    int count;
+} names;
+
+static void add_name(names *n, const char *name)
+{
+    pl_push(&n->items, &n->count, &name, sizeof name);
+}
+
+static bool contains(const names *n, const char *name)
+{
+    for (int i = 0; i < n->count; ++i) {
+        if (strcmp(n->items[i], name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+typedef enum name_kind { OWNERS, KEYS, PROFILES } name_kind;
+
+/* All owners; or the keys or profiles of the owner that the key is restricted to, of all without one. */
+static names list_names(const pl_grid_def *def, const pl_vary *vary, name_kind of)
+{
+    const pl_plan *base = def->base;
+    static const char *const of_all[] = {"dt", PL_VARY_PROFILE, "solver"};
+    names n = {.count = 0};
+    for (int i = 0; of == KEYS && i < 3; ++i) {
+        add_name(&n, of_all[i]);
+    }
+    for (int i = 0; i < base->case_count + base->configuration_count; ++i) {
+        const pl_engine_info *engine = engine_of(base, i);
+        const pl_scenario *scenario = engine == NULL ? base->cases[i].descriptor : NULL;
+        if (of == OWNERS) {
+            add_name(&n, name_of(base, i));
+        } else if (!pl_vary_is_of(vary, name_of(base, i))) {
+            continue;
+        }
+        for (int k = 0; of == KEYS && scenario != NULL && k < scenario->param_count; ++k) {
+            add_name(&n, scenario->params[k].name);
+        }
+        for (int k = 0; of == KEYS && engine != NULL && k < engine->option_count; ++k) {
+            add_name(&n, engine->options[k].name);
+        }
+        for (int k = 0; of == PROFILES && engine != NULL && k < engine->profile_count; ++k) {
+            add_name(&n, engine->profiles[k].name);
+        }
+    }
+    return n;
+}
+
+/* Fails with "--vary: WHAT WORD" and the nearest of the names, unless the word may be one of them and is; frees them. */
+static pl_status check_name(const char *what, const char *word, bool may_be, names n,
+                            pl_error *error)
+{
+    char suggestion[PL_SUGGESTION_SIZE];
+    pl_status status = PL_OK;
+    if (!may_be || !contains(&n, word)) {
+        pl_did_you_mean(word, n.items, n.count, suggestion);
+        status = pl_fail(error, PL_BAD_INPUT, "--vary: %s %s%s", what, word, suggestion);
+    }
+    free(n.items);
+    return status;
+}
+
+static bool is_absent_engine(const char *name)
+{
+    int count = 0;
+    const pl_built_in *known = pl_built_in_engines(&count);
+    for (int i = 0; i < count; ++i) {
+        if (strcmp(known[i].name, name) == 0) {
+            return !pl_built_in_is_present(&known[i]);
+        }
+    }
+    return false;
+}
+
+/* Fails for a key that no case and no engine has. */
+static pl_status reject(const pl_grid_def *def, const pl_vary *vary, pl_error *error)
+{
+    char what[2 * PL_NAME_SIZE] =
+        "no chosen scenario has the parameter, and no chosen engine the option,";
+    pl_status status = PL_OK;
+    for (int i = 0; i < def->base->configuration_count; ++i) {
+        const pl_engine_choice *choice = &def->base->configurations[i].choice;
+        if (choice->engine->fault.is_fault) { /* its options are not known */
+            return pl_fail(error, PL_IO, "--vary %s: %s: %s", vary->key, choice->spec,
+                           choice->engine->fault.reason);
+        }
+    }
+    if (vary->owner[0] != '\0') {
+        snprintf(what, sizeof what, "%s has no", vary->owner);
+        status = check_name("there is no chosen engine or scenario", vary->owner, true,
+                            list_names(def, vary, OWNERS), error);
+    }
+    return status != PL_OK ? status
+                           : check_name(what, vary->key, false, list_names(def, vary, KEYS), error);
+}
+
+static pl_status check_key(const pl_grid_def *def, int index, pl_error *error)
+{
+    const pl_vary *vary = &def->varied[index];
+    bool of_case = false, of_engine = false, owner_is_chosen = false;
+    pl_status status = PL_OK;
+    for (int i = 0; i < index; ++i) {
+        if (strcmp(def->varied[i].owner, vary->owner) == 0 &&
+            strcmp(def->varied[i].key, vary->key) == 0) {
+            return pl_fail(error, PL_BAD_INPUT, "--vary %s%s%s is given twice", vary->owner,
+                           vary->owner[0] == '\0' ? "" : ".", vary->key);
+        }
+    }
+    for (int i = 0; i < def->base->case_count + def->base->configuration_count; ++i) {
+        const bool is_engine = engine_of(def->base, i) != NULL;
+        const bool has = count_values(def->base, i, vary) > 0;
+        of_case |= has && !is_engine;
+        of_engine |= has && is_engine;
+        owner_is_chosen |= is_engine && pl_vary_is_of(vary, name_of(def->base, i));
+    }
+    if (of_case && of_engine) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "--vary %s: a scenario's parameter and an engine's option have that name; "
+                       "write SCENARIO.%s or ENGINE.%s",
+                       vary->key, vary->key, vary->key);
+    }
+    if (is_absent_engine(vary->owner)) {
+        return PL_OK;
+    }
+    if (!of_case && !of_engine && (vary->names == NULL || !owner_is_chosen)) {
+        return reject(def, vary, error);
+    }
+    for (int i = 0; vary->names != NULL && i < vary->count && status == PL_OK; ++i) {
+        status = check_name("no chosen engine has the profile", vary->names[i], true,
+                            list_names(def, vary, PROFILES), error);
+    }
+    return status;
+}
+
+static pl_status check_keys(const pl_grid_def *def, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < def->varied_count && status == PL_OK; ++i) {
+        status = check_key(def, i, error);
+    }
+    return status;
+}
+
+/* ---- Configurations ---- */
+
+/* A grid that is put into a plan. */
+typedef struct grid {
+    const pl_grid_def *def;
+    pl_plan *plan;
+    json_t *labels; /* label -> place in the plan */
+    double *steps;  /* (configurations of the plan) s: the time step that it is run at; NAN: all */
+    int step_count;
+} grid;
 
 /* Changes the profile. Options that were not asked for by name get the profile's defaults. */
 static void set_profile(pl_engine_choice *choice, int profile)
@@ -67,333 +302,217 @@ static pl_status set_option(pl_engine_choice *choice, const char *name, double v
     return PL_OK;
 }
 
-static pl_status vary_choice(const pl_grid_def *def, const pl_grid_keys *keys, long combination,
+/* The profile first, then options. */
+static pl_status vary_choice(const pl_grid_def *def, const grid_keys *keys, long combination,
                              pl_engine_choice *choice, pl_error *error)
 {
     pl_status status = PL_OK;
-    for (int k = 0; k < keys->count; ++k) {
+    for (int i = 0; i < 2 * keys->count && status == PL_OK; ++i) {
+        const int k = i % keys->count, place = digit(keys, combination, k);
         const pl_vary *vary = &def->varied[keys->items[k]];
-        if (vary->names != NULL) {
-            const int place = pl_grid_digit(keys, combination, k);
+        if (i < keys->count && vary->names != NULL) {
             set_profile(choice, named_profile(choice->engine, vary, place));
-        }
-    }
-    for (int k = 0; k < keys->count && status == PL_OK; ++k) {
-        const pl_vary *vary = &def->varied[keys->items[k]];
-        if (vary->names == NULL) {
-            status = set_option(choice, vary->key,
-                                vary->numbers[pl_grid_digit(keys, combination, k)], error);
+        } else if (i >= keys->count && vary->names == NULL) {
+            status = set_option(choice, vary->key, vary->numbers[place], error);
         }
     }
     return status;
 }
 
-static bool are_equal(const pl_engine_choice *a, const pl_engine_choice *b)
+/* Adds the configuration, made from the one that was asked for, unless it is in the plan. */
+static pl_status add_configuration(grid *g, const pl_engine_choice *asked,
+                                   const pl_engine_choice *choice, double dt, pl_error *error)
 {
-    return a->engine == b->engine && a->profile == b->profile &&
-           memcmp(a->values, b->values, (size_t)a->engine->option_count * sizeof *a->values) == 0;
-}
-
-/* Adds the configuration, made from the one that was asked for, unless it is in the plan. `labels`
- * maps labels to the plan's indices. */
-static pl_status add_configuration(const pl_engine_choice *asked, const pl_engine_choice *choice,
-                                   json_t *labels, pl_plan *plan, pl_error *error)
-{
-    char label[sizeof plan->configurations->label];
+    char label[sizeof g->plan->configurations->label];
     pl_engine_choice_varied_label(asked, choice, label);
-    const json_t *known = json_object_get(labels, label);
-    if (known != NULL) {
-        const pl_engine_choice *other = &plan->configurations[json_integer_value(known)].choice;
-        return are_equal(choice, other)
-                   ? PL_OK
-                   : pl_fail(error, PL_BAD_INPUT,
-                             "two engines would both be called %s: vary fewer options, or give "
-                             "one of them label=NAME",
-                             label);
+    const json_t *known = json_object_get(g->labels, label);
+    if (known == NULL) {
+        json_object_set_new_nocheck(g->labels, label,
+                                    json_integer(pl_plan_add_choice(g->plan, choice, label)));
+        pl_push(&g->steps, &g->step_count, &dt, sizeof dt);
+        return PL_OK;
     }
-    json_object_set_new_nocheck(labels, label,
-                                json_integer(pl_plan_add_choice(plan, choice, label)));
-    return PL_OK;
+    const pl_engine_choice *other = &g->plan->configurations[json_integer_value(known)].choice;
+    return choice->engine == other->engine && choice->profile == other->profile &&
+                   memcmp(choice->values, other->values,
+                          (size_t)choice->engine->option_count * sizeof *choice->values) == 0
+               ? PL_OK
+               : pl_fail(error, PL_BAD_INPUT,
+                         "two engines would both be called %s: vary fewer options, or give one of "
+                         "them label=NAME",
+                         label);
 }
 
-/* Adds all configurations to the plan. PL_BAD_INPUT: a value out of its option's range, or two
- * configurations with the same label. */
-static pl_status add_configurations(const pl_grid_def *def, json_t *labels, pl_plan *plan,
-                                    pl_error *error)
+/* Adds all configurations that are varied, then the drawn settings that the plan does not have yet. PL_BAD_INPUT: a
+ * value out of its option's range, or two configurations with the same label. */
+static pl_status add_configurations(grid *g, pl_error *error)
 {
+    const pl_plan *base = g->def->base;
+    const pl_drawn_settings *drawn = g->def->drawn;
     pl_status status = PL_OK;
     bool more = true;
     for (long number = 0; more && status == PL_OK; ++number) {
         more = false;
-        for (int i = 0; i < def->base->configuration_count && status == PL_OK; ++i) {
-            const pl_configuration *asked = &def->base->configurations[i];
-            pl_grid_keys keys = pl_grid_keys_of_configuration(def, asked);
-            if ((double)number < pl_grid_combinations(&keys)) {
-                pl_engine_choice choice = asked->choice;
+        for (int i = 0; i < base->configuration_count && status == PL_OK; ++i) {
+            const pl_engine_choice *asked = &base->configurations[i].choice;
+            const grid_keys keys = keys_of(g->def, base->case_count + i);
+            if ((double)number < combinations(&keys)) {
+                pl_engine_choice choice = *asked;
                 more = true;
-                status = vary_choice(def, &keys, number, &choice, error);
+                status = vary_choice(g->def, &keys, number, &choice, error);
                 if (status == PL_OK) {
-                    status = add_configuration(&asked->choice, &choice, labels, plan, error);
+                    status = add_configuration(g, asked, &choice, (double)NAN, error);
                 }
             }
         }
     }
-    return status;
-}
-
-/* Adds the drawn settings that the plan does not have yet. */
-static pl_status add_drawn(const pl_drawn_settings *drawn, const pl_plan *base, json_t *labels,
-                           double *steps, pl_plan *plan, pl_error *error)
-{
-    const int varied = plan->configuration_count;
-    pl_status status = PL_OK;
-    for (int i = 0; i < drawn->count && status == PL_OK; ++i) {
+    for (int i = 0; drawn != NULL && i < drawn->count && status == PL_OK; ++i) {
         const pl_setting *setting = &drawn->items[i];
-        const int before = plan->configuration_count;
-        status = add_configuration(&pl_drawn_from(base, setting)->choice, &setting->choice, labels,
-                                   plan, error);
-        if (plan->configuration_count > before) {
-            steps[before - varied] = setting->dt;
-        }
+        status = add_configuration(g, &pl_drawn_from(base, setting)->choice, &setting->choice,
+                                   setting->dt, error);
     }
     return status;
 }
 
-/* A case of the whole grid: a case of the base, and a combination of its keys' values. */
-typedef struct place {
-    int base;
-    long combination;
-    int test_case; /* its place in the plan; -1: none of its points is the shard's */
-} place;
+/* ---- Cases ---- */
 
-typedef struct grid {
-    const pl_grid_def *def;
-    int varied_count;   /* configurations that are run at all time steps: the first ones */
-    double *steps;      /* s: of each further configuration, the time step that it is run at */
-    pl_grid_keys *keys; /* (of the base's cases) */
-    place *places;      /* (count): each case once */
-    int count;
-} grid;
-
-/* The values of all parameters of a case, varied. */
-static void vary_values(const grid *g, const place *at, double *values)
+/* Adds a case of the base with a combination of its keys' values. */
+static pl_status add_case(const grid *g, const pl_case *asked, const grid_keys *keys,
+                          long combination, pl_error *error)
 {
-    const pl_case *test_case = &g->def->base->cases[at->base];
-    const pl_grid_keys *keys = &g->keys[at->base];
-    memcpy(values, test_case->params, sizeof test_case->params);
+    pl_error why = {.message = ""};
+    double values[PL_MAX_PARAMS];
+    memcpy(values, asked->params, sizeof values);
     for (int k = 0; k < keys->count; ++k) {
         const pl_vary *vary = &g->def->varied[keys->items[k]];
-        values[pl_scenario_param(test_case->descriptor, vary->key)] =
-            vary->numbers[pl_grid_digit(keys, at->combination, k)];
+        values[pl_scenario_param(asked->descriptor, vary->key)] =
+            vary->numbers[digit(keys, combination, k)];
     }
-}
-
-/* A malloc'd text that identifies the case. PL_BAD_INPUT: a value out of its range. */
-static pl_status name_place(const grid *g, const place *at, char **name, pl_error *error)
-{
-    const pl_case *test_case = &g->def->base->cases[at->base];
-    const pl_scenario *scenario = test_case->descriptor;
-    double values[PL_MAX_PARAMS];
-    pl_error why = {.message = ""};
-    pl_settings settings;
-    vary_values(g, at, values);
-    pl_settings_make(scenario, values, &settings);
-    pl_status status = pl_scenario_values(scenario, settings.items, settings.count, values, &why);
-    if (status != PL_OK) {
-        return pl_fail(error, status, "--vary: %s", why.message);
-    }
-    pl_text_buffer text = {0};
-    pl_text_add(&text, test_case->name);
-    for (int i = 0; i < scenario->param_count; ++i) {
-        pl_text_format(&text, "\n%a", values[i]);
-    }
-    *name = pl_text_take(&text);
-    return PL_OK;
+    const pl_status status = pl_plan_add_values(g->plan, asked->descriptor, values, NULL, &why);
+    return status == PL_OK ? PL_OK : pl_fail(error, status, "--vary: %s", why.message);
 }
 
 /* All cases of the grid, equal ones once. */
-static pl_status list_places(grid *g, long most, pl_error *error)
+static pl_status add_cases(const grid *g, pl_error *error)
 {
-    json_t *seen = json_object();
     pl_status status = PL_OK;
-    g->places = pl_heap_new((size_t)most, sizeof *g->places);
     for (int i = 0; i < g->def->base->case_count; ++i) {
-        const long size = (long)pl_grid_combinations(&g->keys[i]);
-        for (long k = 0; k < size && status == PL_OK; ++k) {
-            const place at = {.base = i, .combination = k};
-            char *name = NULL;
-            status = name_place(g, &at, &name, error);
-            if (status == PL_OK && json_object_get(seen, name) == NULL) {
-                g->places[g->count++] = at;
-                json_object_set_new_nocheck(seen, name, json_true());
-            }
-            free(name);
+        const grid_keys keys = keys_of(g->def, i);
+        for (long k = 0; (double)k < combinations(&keys) && status == PL_OK; ++k) {
+            status = add_case(g, &g->def->base->cases[i], &keys, k, error);
         }
     }
-    json_decref(seen);
     return status;
 }
 
-static pl_status add_place(const grid *g, const place *at, pl_plan *plan, pl_error *error)
-{
-    const pl_case *test_case = &g->def->base->cases[at->base];
-    double values[PL_MAX_PARAMS];
-    vary_values(g, at, values);
-    return pl_plan_add_values(plan, test_case->descriptor, values, NULL, error);
-}
-
-/* The time step of a place, s; NAN: the scene file's own. */
-static double step_of(const grid *g, const place *at)
-{
-    double values[PL_MAX_PARAMS];
-    vary_values(g, at, values);
-    return values[pl_scenario_param(g->def->base->cases[at->base].descriptor, "dt")];
-}
-
-/* Whether the grid has the point, and it is the shard's. */
-static bool has_point(const grid *g, const pl_plan *plan, int number, int configuration)
+/* Adds the points of all cases that are the shard's. */
+static void add_points(const grid *g)
 {
     const pl_shard *shard = &g->def->shard;
-    return (configuration < g->varied_count ||
-            g->steps[configuration - g->varied_count] == step_of(g, &g->places[number])) &&
-           pl_shard_of_point(shard->count, g->count, plan->configuration_count, number,
-                             configuration) == shard->index;
-}
-
-/* A plan of whole cases, all on all engines, needs no list of points. */
-static bool needs_pairings(const grid *g)
-{
-    return g->count < g->def->shard.count || g->def->drawn != NULL || g->def->changes > 0;
-}
-
-/* Adds the points of a case that are the shard's. */
-static void add_points(const grid *g, int number, int test_case, pl_plan *plan)
-{
-    for (int i = 0; i < plan->configuration_count; ++i) {
-        if (has_point(g, plan, number, i)) {
-            pl_plan_add_pairing(plan, test_case, i);
+    pl_plan *plan = g->plan;
+    plan->pairings =
+        pl_heap_new(1, sizeof *plan->pairings); /* without points the plan has no runs */
+    for (int i = 0; i < plan->case_count; ++i) {
+        const pl_case *test_case = &plan->cases[i];
+        const double step = test_case->params[pl_scenario_param(test_case->descriptor, "dt")];
+        for (int k = 0; k < plan->configuration_count; ++k) {
+            if ((isnan(g->steps[k]) || g->steps[k] == step) &&
+                pl_shard_of_point(shard->count, plan->case_count, plan->configuration_count, i,
+                                  k) == shard->index) {
+                pl_plan_add_pairing(plan, i, k);
+            }
         }
     }
+    plan->repeated_count = plan->pairing_count;
 }
 
-/* The case and its points, as far as they are the shard's. */
-static pl_status add_share(const grid *g, int number, pl_plan *plan, pl_error *error)
+/* The scene of a case with each of its changes, and its points: the pairings [first, end). */
+static pl_status add_changes(const grid *g, int first, int end, pl_error *error)
 {
-    place *at = &g->places[number];
-    bool is_due = false;
-    at->test_case = -1;
-    for (int i = 0; i < plan->configuration_count && !is_due; ++i) {
-        is_due = has_point(g, plan, number, i);
-    }
-    const int before = plan->case_count;
-    pl_status status = is_due ? add_place(g, at, plan, error) : PL_OK;
-    if (status != PL_OK || plan->case_count == before) {
-        return status;
-    }
-    at->test_case = before;
-    if (needs_pairings(g)) {
-        add_points(g, number, before, plan);
-    }
-    return PL_OK;
-}
-
-/* The scene of a case with each of its changes, and the points. */
-static pl_status add_changes(const grid *g, int number, pl_plan *plan, pl_error *error)
-{
-    const place *at = &g->places[number];
-    const pl_scenario *scenario = g->def->base->cases[at->base].descriptor;
+    pl_plan *plan = g->plan;
+    const pl_case asked = plan->cases[plan->pairings[first].test_case];
     pl_status status = PL_OK;
     int applied = 0;
-    for (int i = 0; at->test_case >= 0 && i < pl_variants_swept.count &&
-                    applied < g->def->changes && status == PL_OK;
+    for (int i = 0; i < pl_variants_swept.count && applied < g->def->changes && status == PL_OK;
          ++i) {
         const pl_variant *variant = &pl_variants_swept.items[i];
         const int before = plan->case_count;
-        vary_values(g, at, plan->variation.changed);
-        if (!pl_variant_apply(variant, scenario, plan->seed, plan->variation.changed)) {
+        memcpy(plan->variation.changed, asked.params, sizeof asked.params);
+        if (!pl_variant_apply(variant, asked.descriptor, plan->seed, plan->variation.changed)) {
             continue;
         }
         plan->variation.change = variant->name;
-        status = add_place(g, at, plan, error);
+        status = pl_plan_add_values(plan, asked.descriptor, asked.params, NULL, error);
         if (status == PL_BAD_INPUT) { /* the changed values do not go together */
             status = PL_OK;
-        } else if (plan->case_count > before) {
-            ++applied;
-            add_points(g, number, before, plan);
+        }
+        applied += plan->case_count > before;
+        for (int k = first; plan->case_count > before && k < end; ++k) {
+            pl_plan_add_pairing(plan, before, plan->pairings[k].configuration);
         }
     }
     plan->variation = (pl_variation){.change = NULL};
     return status;
 }
 
-/* Adds all cases with their points: those that are repeated, then the changed scenes. */
-static pl_status add_cases(const grid *g, pl_plan *plan, pl_error *error)
+/* The changes of all cases that have points, after all that is repeated. */
+static pl_status add_all_changes(const grid *g, pl_error *error)
 {
     pl_status status = PL_OK;
-    for (int i = 0; i < g->count && status == PL_OK; ++i) {
-        status = add_share(g, i, plan, error);
-    }
-    plan->repeated_count = plan->pairing_count;
-    for (int i = 0; i < g->count && status == PL_OK && g->def->changes > 0; ++i) {
-        status = add_changes(g, i, plan, error);
-    }
-    if (status == PL_OK && pl_plan_size(plan) > PL_GRID_MOST_RUNS) {
-        status = pl_fail(error, PL_BAD_INPUT, "%ld runs; a sweep has at most %d",
-                         pl_plan_size(plan), (int)PL_GRID_MOST_RUNS);
+    for (int first = 0, end; first < g->plan->repeated_count && status == PL_OK; first = end) {
+        const int test_case = g->plan->pairings[first].test_case;
+        for (end = first;
+             end < g->plan->repeated_count && g->plan->pairings[end].test_case == test_case;) {
+            ++end;
+        }
+        status = add_changes(g, first, end, error);
     }
     return status;
 }
 
 /* The runs of the whole grid must not be too many. */
-static pl_status check_size(const pl_grid_def *def, double cases, double configurations,
-                            pl_error *error)
+static pl_status check_size(const pl_grid_def *def, pl_error *error)
 {
-    const double runs = cases * fmax(configurations, 1) * def->base->repeats;
+    double counts[2] = {0, 0}; /* cases, configurations */
+    for (int i = 0; i < def->base->case_count + def->base->configuration_count; ++i) {
+        const grid_keys keys = keys_of(def, i);
+        counts[i >= def->base->case_count] += combinations(&keys);
+    }
+    const double runs = counts[0] * fmax(counts[1], 1) * def->base->repeats;
     return runs <= PL_GRID_MOST_RUNS
                ? PL_OK
                : pl_fail(error, PL_BAD_INPUT,
                          "%.0f cases x %.0f engines x %d repeats are %.0f runs; a sweep has at "
                          "most %d",
-                         cases, configurations, def->base->repeats, runs, (int)PL_GRID_MOST_RUNS);
+                         counts[0], counts[1], def->base->repeats, runs, (int)PL_GRID_MOST_RUNS);
 }
 
 pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
 {
-    grid g = {.def = def};
-    double cases = 0;
-    pl_status status = pl_grid_keys_check(def, error);
-    if (status != PL_OK) {
-        return status;
-    }
-    json_t *labels = json_object();
-    const size_t settings = def->drawn == NULL ? 0 : (size_t)def->drawn->count;
-    g.keys = pl_heap_new((size_t)def->base->case_count, sizeof *g.keys);
-    g.steps = pl_heap_new(settings, sizeof *g.steps);
-    for (int i = 0; i < def->base->case_count; ++i) {
-        g.keys[i] = pl_grid_keys_of_case(def, &def->base->cases[i]);
-        cases += pl_grid_combinations(&g.keys[i]);
-    }
+    grid g = {.def = def, .plan = plan, .labels = json_object()};
     plan->repeats = def->base->repeats;
     plan->seed = def->base->seed;
     plan->defers = true;
-    status = check_size(def, cases, count_configurations(def), error);
+    pl_status status = check_keys(def, error);
     if (status == PL_OK) {
-        status = add_configurations(def, labels, plan, error);
-    }
-    g.varied_count = plan->configuration_count;
-    if (status == PL_OK && def->drawn != NULL) {
-        status = add_drawn(def->drawn, def->base, labels, g.steps, plan, error);
+        status = check_size(def, error);
     }
     if (status == PL_OK) {
-        status = list_places(&g, (long)cases, error);
+        status = add_configurations(&g, error);
     }
     if (status == PL_OK) {
-        status = add_cases(&g, plan, error);
+        status = add_cases(&g, error);
     }
-    json_decref(labels);
-    free(g.keys);
+    if (status == PL_OK) {
+        add_points(&g);
+        status = add_all_changes(&g, error);
+    }
+    if (status == PL_OK && pl_plan_size(plan) > PL_GRID_MOST_RUNS) {
+        status = pl_fail(error, PL_BAD_INPUT, "%ld runs; a sweep has at most %d",
+                         pl_plan_size(plan), (int)PL_GRID_MOST_RUNS);
+    }
+    json_decref(g.labels);
     free(g.steps);
-    free(g.places);
     return status;
 }
 

@@ -31,16 +31,6 @@ typedef struct resampling {
     double *scratch;          /* two numbers for each repeat of the point with most */
 } resampling;
 
-/* The largest (fmax) or smallest (fmin) error of the point's samples. */
-static double extreme_error(const pl_sweep_point *point, double (*pick)(double a, double b))
-{
-    double extreme = point->samples[0].error;
-    for (int i = 1; i < point->sample_count; ++i) {
-        extreme = pick(extreme, point->samples[i].error);
-    }
-    return extreme;
-}
-
 /* The standard deviation of ln(cost) by which a drawn repeat of the point is moved. */
 static double noise_of(const resampling *d, const pl_sweep_point *point)
 {
@@ -51,9 +41,18 @@ static double noise_of(const resampling *d, const pl_sweep_point *point)
 static bool always_ahead(const resampling *d, const pl_sweep_point *q, const pl_sweep_point *p)
 {
     const double most = PL_RANDOM_MOST_NORMAL * (noise_of(d, q) + noise_of(d, p));
-    return q->state == PL_SWEEP_OK &&
-           q->samples[q->sample_count - 1].cost * exp(most) < p->samples[0].cost &&
-           extreme_error(q, fmax) <= extreme_error(p, fmin);
+    double largest = 0, least = (double)INFINITY; /* errors of q and of p */
+    if (q->state != PL_SWEEP_OK ||
+        q->samples[q->sample_count - 1].cost * exp(most) >= p->samples[0].cost) {
+        return false;
+    }
+    for (int i = 0; i < q->sample_count; ++i) {
+        largest = fmax(largest, q->samples[i].error);
+    }
+    for (int i = 0; i < p->sample_count; ++i) {
+        least = fmin(least, p->samples[i].error);
+    }
+    return largest <= least;
 }
 
 /* Whether the point is in every front's choice that p is in: of their profile, and as shipped if p
@@ -115,21 +114,6 @@ static void read_front(resampling *d, int engine, pl_front_reading *reading)
     pl_front_read(d->front, count, reading);
 }
 
-static void prepare(resampling *d)
-{
-    int most = 1;
-    for (int i = 0; i < d->count; ++i) {
-        most = d->points[i].sample_count > most ? d->points[i].sample_count : most;
-    }
-    const size_t count = (size_t)d->count;
-    d->needed = pl_heap_new(count, sizeof *d->needed);
-    d->random = pl_heap_new(count, sizeof *d->random);
-    d->medians = pl_heap_new(count, sizeof *d->medians);
-    d->order = pl_heap_new(count, sizeof *d->order);
-    d->front = pl_heap_new(count, sizeof *d->front);
-    d->scratch = pl_heap_new(2 * (size_t)most, sizeof *d->scratch);
-}
-
 /* Fills readings (engine_count x PL_BOOTSTRAP_REPLICATES, engine by engine) for the engines that
  * have points on the scene. */
 static void bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
@@ -138,11 +122,19 @@ static void bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *s
     resampling d = {.points = analysis->points + scene->first,
                     .count = scene->count,
                     .noise = isnan(scene->noise) ? 0 : scene->noise};
-    prepare(&d);
+    const size_t count = (size_t)d.count;
+    int most = 1;
+    d.needed = pl_heap_new(count, sizeof *d.needed);
+    d.random = pl_heap_new(count, sizeof *d.random);
+    d.medians = pl_heap_new(count, sizeof *d.medians);
+    d.order = pl_heap_new(count, sizeof *d.order);
+    d.front = pl_heap_new(count, sizeof *d.front);
     mark_needed(&d);
     for (int i = 0; i < d.count; ++i) {
         d.random[i].state = d.points[i].hash;
+        most = d.points[i].sample_count > most ? d.points[i].sample_count : most;
     }
+    d.scratch = pl_heap_new(2 * (size_t)most, sizeof *d.scratch);
     for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
         resample(&d);
         for (int e = 0; e < analysis->engine_count; ++e) {
@@ -188,10 +180,11 @@ typedef struct workspace {
     double *logs; /* (pair_count x PL_SWEEP_LEVELS x PL_BOOTSTRAP_REPLICATES): sums over scenes */
 } workspace;
 
-static pl_attained_by attained_by(bool first, bool second)
+/* Who has a point: -1 is none. */
+static pl_attained_by attained_by(int first, int second)
 {
-    return (pl_attained_by)((first ? PL_ATTAINED_BY_FIRST_ONLY : 0) +
-                            (second ? PL_ATTAINED_BY_SECOND_ONLY : 0));
+    return (pl_attained_by)((first >= 0 ? PL_ATTAINED_BY_FIRST_ONLY : 0) +
+                            (second >= 0 ? PL_ATTAINED_BY_SECOND_ONLY : 0));
 }
 
 /* The replicates of an engine's readings. */
@@ -206,16 +199,16 @@ static double *logs_of(const workspace *a, int pair, int level)
     return a->logs + ((size_t)pair * PL_SWEEP_LEVELS + (size_t)level) * PL_BOOTSTRAP_REPLICATES;
 }
 
-/* The number of the second over that of the first; `offset` is the place of the number in a reading. */
-static double ratio_of(const pl_front_reading *first, const pl_front_reading *second, size_t offset)
+/* The number of the second over that of the first. */
+static double ratio_of(const pl_front_reading *first, const pl_front_reading *second, int place)
 {
-    return ((const double *)second)[offset] / ((const double *)first)[offset];
+    return second->at[place] / first->at[place];
 }
 
-static pl_sweep_ratio with_interval(const workspace *a, const pl_sweep_pair *pair, size_t offset,
+static pl_sweep_ratio with_interval(const workspace *a, const pl_sweep_pair *pair, int place,
                                     bool resampled)
 {
-    pl_sweep_ratio ratio = {ratio_of(&a->readings[pair->first], &a->readings[pair->second], offset),
+    pl_sweep_ratio ratio = {ratio_of(&a->readings[pair->first], &a->readings[pair->second], place),
                             (double)NAN, (double)NAN};
     if (!resampled || isnan(ratio.value)) {
         return ratio;
@@ -223,20 +216,11 @@ static pl_sweep_ratio with_interval(const workspace *a, const pl_sweep_pair *pai
     const pl_front_reading *first = replicates_of(a, pair->first);
     const pl_front_reading *second = replicates_of(a, pair->second);
     for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
-        a->values[replicate] = ratio_of(&first[replicate], &second[replicate], offset);
+        a->values[replicate] = ratio_of(&first[replicate], &second[replicate], place);
     }
     pl_bootstrap_interval(a->values, PL_BOOTSTRAP_REPLICATES, &ratio.low, &ratio.high);
     return ratio;
 }
-
-enum {
-    COST = 0,
-    COST_BETWEEN = COST + PL_SWEEP_LEVELS,
-    ERROR = COST_BETWEEN + PL_SWEEP_LEVELS,
-    ERROR_BETWEEN = ERROR + PL_SWEEP_TIMES
-};
-_Static_assert(sizeof(pl_front_reading) == (ERROR_BETWEEN + PL_SWEEP_TIMES) * sizeof(double),
-               "a reading is a row of numbers, which the places above index");
 
 /* Adds this scene's part of the geometric means. */
 static void add_to_means(const workspace *a, pl_sweep_analysis *analysis, int index,
@@ -253,12 +237,12 @@ static void add_to_means(const workspace *a, pl_sweep_analysis *analysis, int in
         if (comparison->at_error[k] != PL_ATTAINED_BY_BOTH) {
             continue;
         }
-        bool known = !isnan(comparison->speed[k].low);
+        bool known = !isnan(comparison->ratios[PL_SPEED + k].low);
         double *logs = logs_of(a, index, k);
-        pair->mean[k].value += log(comparison->speed[k].value);
+        pair->mean[k].value += log(comparison->ratios[PL_SPEED + k].value);
         for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
             logs[replicate] +=
-                known ? log(ratio_of(&first[replicate], &second[replicate], COST + (size_t)k))
+                known ? log(ratio_of(&first[replicate], &second[replicate], PL_SPEED + k))
                       : (double)NAN;
         }
     }
@@ -276,20 +260,18 @@ static void compare_pair(const workspace *a, pl_sweep_analysis *analysis,
     if (!comparison->run) {
         return;
     }
-    bool resampled = !isnan(scene->noise);
-    for (size_t k = 0; k < PL_SWEEP_LEVELS; ++k) {
-        comparison->at_error[k] = attained_by(first->cheapest[k] >= 0, second->cheapest[k] >= 0);
-        comparison->speed[k] = with_interval(a, pair, COST + k, resampled);
-        comparison->speed_between[k] = with_interval(a, pair, COST_BETWEEN + k, resampled);
+    for (int i = 0; i < PL_READINGS; ++i) {
+        comparison->ratios[i] = with_interval(a, pair, i, !isnan(scene->noise));
+    }
+    for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
+        comparison->at_error[k] = attained_by(first->cheapest[k], second->cheapest[k]);
         comparison->instructions[k] = comparison->at_error[k] == PL_ATTAINED_BY_BOTH
                                           ? analysis->points[second->cheapest[k]].instructions /
                                                 analysis->points[first->cheapest[k]].instructions
                                           : (double)NAN;
     }
-    for (size_t k = 0; k < PL_SWEEP_TIMES; ++k) {
-        comparison->at_cost[k] = attained_by(first->most_exact[k] >= 0, second->most_exact[k] >= 0);
-        comparison->exactness[k] = with_interval(a, pair, ERROR + k, resampled);
-        comparison->exactness_between[k] = with_interval(a, pair, ERROR_BETWEEN + k, resampled);
+    for (int k = 0; k < PL_SWEEP_TIMES; ++k) {
+        comparison->at_cost[k] = attained_by(first->most_exact[k], second->most_exact[k]);
     }
     add_to_means(a, analysis, index, comparison);
 }
@@ -354,23 +336,10 @@ static void link_shipped(const pl_sweep_analysis *analysis, pl_sweep_pair *pair)
     }
 }
 
-/* Whether the engine is compared with others of its kind as the first of a pair: the home engine, or each where its
- * kind has none. */
-static bool is_first(const pl_sweep_analysis *analysis, int engine)
-{
-    const pl_sweep_engine *own = &analysis->engines[engine];
-    bool has_home = false;
-    for (int i = 0; i < analysis->engine_count; ++i) {
-        has_home |= analysis->engines[i].kind == own->kind && analysis->engines[i].is_home;
-    }
-    return own->is_home || !has_home;
-}
-
 static void make_pairs(pl_sweep_analysis *analysis)
 {
     for (int i = 0; i < analysis->engine_count; ++i) {
-        const bool first = is_first(analysis, i);
-        for (int k = i + 1; k < analysis->engine_count && first; ++k) {
+        for (int k = i + 1; k < analysis->engine_count && analysis->engines[i].is_first; ++k) {
             const pl_sweep_engine *a = &analysis->engines[i], *b = &analysis->engines[k];
             if (a->kind == b->kind && !(a->is_home && b->is_home)) {
                 const pl_sweep_pair pair = {.first = i, .second = k, .shipped = -1};

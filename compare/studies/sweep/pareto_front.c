@@ -2,6 +2,7 @@
 #include "analysis_parts.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 const double pl_sweep_levels[PL_SWEEP_LEVELS] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
 const double pl_sweep_times[PL_SWEEP_TIMES] = {1e-6, 2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4,
@@ -26,37 +27,22 @@ bool pl_sweep_curve_was_run(const pl_sweep_curve *curve)
     return pl_sweep_curve_settings(curve) > 0;
 }
 
-static bool before(const pl_sweep_sample *samples, int a, int b)
+/* By cost, then error, then index. */
+static int compare(const void *left, const void *right, void *samples)
 {
-    if (samples[a].cost != samples[b].cost) {
-        return samples[a].cost < samples[b].cost;
-    }
-    if (samples[a].error != samples[b].error) {
-        return samples[a].error < samples[b].error;
-    }
-    return a < b;
-}
-
-/* Shell's sort with Ciura's gaps, 2001: qsort cannot see the samples. */
-static void sort(const pl_sweep_sample *samples, int *order, int count)
-{
-    static const int gaps[] = {4025, 1750, 701, 301, 132, 57, 23, 10, 4, 1};
-    for (int g = 0; g < (int)(sizeof gaps / sizeof gaps[0]); ++g) {
-        for (int i = gaps[g]; i < count; ++i) {
-            int moved = order[i], place = i;
-            for (; place >= gaps[g] && before(samples, moved, order[place - gaps[g]]);
-                 place -= gaps[g]) {
-                order[place] = order[place - gaps[g]];
-            }
-            order[place] = moved;
-        }
-    }
+    const int i = *(const int *)left, k = *(const int *)right;
+    const pl_sweep_sample *a = (const pl_sweep_sample *)samples + i,
+                          *b = (const pl_sweep_sample *)samples + k;
+    const int order = (a->cost > b->cost) - (a->cost < b->cost);
+    return order != 0 ? order : a->error != b->error ? (a->error > b->error ? 1 : -1) : i - k;
 }
 
 int pl_front_find(const pl_sweep_sample *samples, int *order, int count)
 {
     int kept = 0;
-    sort(samples, order, count);
+    if (count > 0) {
+        qsort_r(order, (size_t)count, sizeof *order, compare, (void *)samples);
+    }
     for (int i = 0; i < count; ++i) {
         int candidate = order[i];
         if (kept == 0 || samples[candidate].error < samples[order[kept - 1]].error) {
@@ -120,13 +106,15 @@ double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double co
 void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *reading)
 {
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-        int i = pl_front_cheapest(front, count, pl_sweep_levels[k]);
-        reading->cost[k] = i < 0 ? (double)NAN : front[i].cost;
-        reading->cost_between[k] = pl_front_cost_at_error(front, count, pl_sweep_levels[k]);
+        const int i = pl_front_cheapest(front, count, pl_sweep_levels[k]);
+        reading->at[PL_SPEED + k] = i < 0 ? (double)NAN : front[i].cost;
+        reading->at[PL_SPEED_BETWEEN + k] =
+            pl_front_cost_at_error(front, count, pl_sweep_levels[k]);
     }
     for (int k = 0; k < PL_SWEEP_TIMES; ++k) {
-        int i = pl_front_most_exact(front, count, pl_sweep_times[k]);
-        reading->error[k] = i < 0 ? (double)NAN : front[i].error;
-        reading->error_between[k] = pl_front_error_at_cost(front, count, pl_sweep_times[k]);
+        const int i = pl_front_most_exact(front, count, pl_sweep_times[k]);
+        reading->at[PL_EXACTNESS + k] = i < 0 ? (double)NAN : front[i].error;
+        reading->at[PL_EXACTNESS_BETWEEN + k] =
+            pl_front_error_at_cost(front, count, pl_sweep_times[k]);
     }
 }

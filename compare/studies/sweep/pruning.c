@@ -6,66 +6,60 @@
 #include "results/result.h"
 
 #include <math.h>
-#include <stddef.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A text that a case has in common with its changes, and the configuration. */
-static char *name_point(const pl_plan *plan, const pl_planned_run *run)
+void pl_pruning_begin(pl_pruning *pruning, const pl_plan *plan, double limit)
 {
-    const pl_case *test_case = run->test_case;
-    pl_text_buffer text = {0};
-    pl_text_format(&text, "%td %s %a", run->configuration - plan->configurations, test_case->name,
-                   test_case->scene.dt);
-    for (int i = 0; i < test_case->descriptor->param_count; ++i) {
-        pl_text_format(&text, " %a", test_case->params[i]);
-    }
-    return pl_text_take(&text);
-}
-
-/* Notes the run, with the hash by which its result will be known. */
-static void note_run(pl_repeats *repeats, const pl_plan *plan, const pl_planned_run *run)
-{
-    char *name = name_point(plan, run);
-    char hash[17];
-    pl_planned_run_hash(plan, run, hash);
-    json_object_set_new(repeats->points, hash, json_string(name));
-    if (run->test_case->variation.change != NULL) {
-        json_object_set_new(repeats->changed, hash, json_true());
-    } else if (run->repeat == 0) {
-        json_object_set_new(repeats->first, hash, json_true());
-    }
-    free(name);
-}
-
-void pl_repeats_begin(pl_repeats *repeats, const pl_plan *plan, double limit)
-{
-    *repeats = (pl_repeats){.limit = limit,
-                            .points = json_object(),
-                            .first = json_object(),
-                            .changed = json_object(),
+    *pruning = (pl_pruning){.plan = plan,
+                            .limit = limit,
+                            .runs = json_object(),
                             .spared = json_object(),
                             .failed = json_object()};
     for (long i = 0; i < pl_plan_size(plan); ++i) {
         const pl_planned_run run = pl_plan_run(plan, i);
-        note_run(repeats, plan, &run);
+        char hash[17];
+        pl_planned_run_hash(plan, &run, hash);
+        json_object_set_new(pruning->runs, hash, json_integer(i));
     }
 }
 
-void pl_repeats_free(pl_repeats *repeats)
+void pl_pruning_free(pl_pruning *pruning)
 {
-    json_decref(repeats->points);
-    json_decref(repeats->first);
-    json_decref(repeats->changed);
-    json_decref(repeats->spared);
-    json_decref(repeats->failed);
-    *repeats = (pl_repeats){0};
+    json_decref(pruning->runs);
+    json_decref(pruning->spared);
+    json_decref(pruning->failed);
+    *pruning = (pl_pruning){0};
 }
 
-static const char *point_of(const pl_repeats *repeats, const char *run)
+/* The run of that hash; without a case: the plan has none. */
+static pl_planned_run find_run(const pl_pruning *pruning, const char *hash)
 {
-    return json_string_value(json_object_get(repeats->points, run));
+    const json_t *index = json_object_get(pruning->runs, hash);
+    return index == NULL ? (pl_planned_run){.test_case = NULL}
+                         : pl_plan_run(pruning->plan, (long)json_integer_value(index));
+}
+
+/* A text that a case has in common with its changes, and the configuration; `dt` (s) is in place of the time step. */
+static char *name_point(const pl_plan *plan, const pl_planned_run *run, double dt)
+{
+    const pl_case *test_case = run->test_case;
+    const int step = pl_scenario_param(test_case->descriptor, "dt");
+    pl_text_buffer text = {0};
+    pl_text_format(&text, "%td %s %a", run->configuration - plan->configurations, test_case->name,
+                   dt);
+    for (int i = 0; i < test_case->descriptor->param_count; ++i) {
+        pl_text_format(&text, " %a", i == step ? dt : test_case->params[i]);
+    }
+    return pl_text_take(&text);
+}
+
+static bool has_point(const pl_pruning *pruning, const json_t *points, const pl_planned_run *run)
+{
+    char *point = name_point(pruning->plan, run, run->test_case->scene.dt);
+    const bool found = json_object_get(points, point) != NULL;
+    free(point);
+    return found;
 }
 
 /* The CPU time of the engine's steps, s. */
@@ -75,96 +69,75 @@ static double cost_of(const json_t *result)
     return pl_result_metric(result, "time_per_step") * json_number_value(done);
 }
 
-void pl_repeats_see(pl_repeats *repeats, const json_t *result)
+void pl_pruning_see(pl_pruning *pruning, const json_t *result)
 {
-    const char *run = pl_json_get_text(result, "run");
-    const char *point = point_of(repeats, run);
+    const pl_planned_run run = find_run(pruning, pl_json_get_text(result, "run"));
     const char *outcome = pl_json_get_text(result, "outcome");
-    if (point == NULL || json_object_get(repeats->changed, run) != NULL) {
+    if (run.test_case == NULL || run.test_case->variation.change != NULL) {
         return;
     }
-    if (strcmp(outcome, "timeout") == 0 || cost_of(result) > repeats->limit) {
-        json_object_set_new(repeats->spared, point, json_true());
+    char *point = name_point(pruning->plan, &run, run.test_case->scene.dt);
+    if (strcmp(outcome, "timeout") == 0 || cost_of(result) > pruning->limit) {
+        json_object_set_new(pruning->spared, point, json_true());
     }
     if (strcmp(outcome, "ok") != 0 || pl_verdict_of(result) == PL_VERDICT_FAILED) {
-        json_object_set_new(repeats->failed, point, json_true());
+        json_object_set_new(pruning->failed, point, json_true());
     }
+    free(point);
 }
 
-bool pl_repeats_spare(const pl_repeats *repeats, const char *run)
+bool pl_pruning_spares(const pl_pruning *pruning, const char *hash)
 {
-    const char *point = point_of(repeats, run);
-    if (point == NULL || json_object_get(repeats->first, run) != NULL) {
+    const pl_planned_run run = find_run(pruning, hash);
+    if (run.test_case == NULL) {
         return false;
     }
-    const bool is_changed = json_object_get(repeats->changed, run) != NULL;
-    return json_object_get(is_changed ? repeats->failed : repeats->spared, point) != NULL;
+    return run.test_case->variation.change != NULL
+               ? has_point(pruning, pruning->failed, &run)
+               : run.repeat > 0 && has_point(pruning, pruning->spared, &run);
 }
 
-static double step_of(const json_t *run)
-{
-    return json_number_value(json_object_get(json_object_get(run, "settings"), "dt"));
-}
-
-static bool has_equal_params_but_dt(const json_t *run, const json_t *other)
-{
-    json_t *a = json_deep_copy(json_object_get(run, "params"));
-    json_t *b = json_deep_copy(json_object_get(other, "params"));
-    json_object_del(a, "dt");
-    json_object_del(b, "dt");
-    const bool equal = json_equal(a, b);
-    json_decref(a);
-    json_decref(b);
-    return equal;
-}
-
-static bool is_same_text(const json_t *run, const json_t *other, const char *key)
-{
-    return strcmp(pl_json_get_text(run, key), pl_json_get_text(other, key)) == 0;
-}
-
-static bool is_finer(const json_t *run, const json_t *than)
-{
-    return step_of(run) < step_of(than) && is_same_text(run, than, "scenario") &&
-           is_same_text(run, than, "label") && is_same_text(run, than, "change") &&
-           has_equal_params_but_dt(run, than);
-}
-
-/* The result of a run that was not made. */
-static json_t *result_of(json_t *identity, const json_t *timed_out, json_t *provenance)
+/* The result of a run that was not made, because another one, at a time step of `dt`, timed out. */
+static json_t *unmade(const pl_pruning *pruning, const pl_planned_run *run, const json_t *timed_out,
+                      double dt, json_t *provenance)
 {
     const json_t *asked = json_object_get(json_object_get(timed_out, "steps"), "asked");
-    const double duration = json_number_value(asked) * step_of(timed_out);
-    char *reason = pl_heap_format("not run: at a time step of 1/%g s, %s", 1 / step_of(timed_out),
+    const double duration = json_number_value(asked) * dt;
+    char *reason = pl_heap_format("not run: at a time step of 1/%g s, %s", 1 / dt,
                                   pl_json_get_text(timed_out, "reason"));
-    json_t *result = pl_result_unmade(identity, PL_OUTCOME_TIMEOUT,
-                                      lround(duration / step_of(identity)), reason, provenance);
+    json_t *identity = pl_planned_run_identity(pruning->plan, run);
+    json_t *result =
+        pl_result_unmade(identity, PL_OUTCOME_TIMEOUT, lround(duration / run->test_case->scene.dt),
+                         reason, provenance);
+    json_decref(identity);
     free(reason);
     return result;
 }
 
-pl_status pl_prune_timeouts(const pl_plan *plan, const json_t *result, json_t *provenance,
+pl_status pl_prune_timeouts(const pl_pruning *pruning, const json_t *result, json_t *provenance,
                             void *user,
                             pl_status (*keep)(void *user, json_t *result, pl_error *error),
                             pl_error *error)
 {
+    const pl_plan *plan = pruning->plan;
+    const pl_planned_run ended = find_run(pruning, pl_json_get_text(result, "run"));
     pl_status status = PL_OK;
-    if (strcmp(pl_json_get_text(result, "outcome"), "timeout") != 0) {
+    if (strcmp(pl_json_get_text(result, "outcome"), "timeout") != 0 || ended.test_case == NULL) {
         return PL_OK;
     }
+    char *series = name_point(plan, &ended, 0);
     for (long i = 0; i < pl_plan_size(plan) && status == PL_OK; ++i) {
         const pl_planned_run run = pl_plan_run(plan, i);
-        if (run.repeat > 0 || run.test_case->scene.dt >= step_of(result) ||
-            strcmp(run.configuration->label, pl_json_get_text(result, "label")) != 0) {
-            continue;
+        char *other = name_point(plan, &run, 0);
+        if (run.repeat == 0 && run.test_case->scene.dt < ended.test_case->scene.dt &&
+            run.test_case->variation.change == ended.test_case->variation.change &&
+            strcmp(other, series) == 0) {
+            json_t *kept = unmade(pruning, &run, result, ended.test_case->scene.dt, provenance);
+            status = keep(user, kept, error);
+            json_decref(kept);
         }
-        json_t *identity = pl_planned_run_identity(plan, &run);
-        if (is_finer(identity, result)) {
-            json_t *unmade = result_of(identity, result, provenance);
-            status = keep(user, unmade, error);
-            json_decref(unmade);
-        }
-        json_decref(identity);
+        free(other);
     }
+    free(series);
     return status;
 }

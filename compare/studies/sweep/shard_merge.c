@@ -51,43 +51,35 @@ static const char *differing_metric(const json_t *first, const json_t *second)
     return NULL;
 }
 
-static void say_difference(const json_t *first, const json_t *second, const char *metric,
-                           FILE *warnings)
+/* The outcome, or the value of a metric, as text. The caller frees. */
+static char *text_of(const json_t *result, const char *metric)
 {
-    pl_text_buffer line = {0};
-    pl_text_format(&line, "run %s, %s on %s, repeat %lld, was made twice and differs: ",
-                   pl_json_get_text(first, "run"), pl_json_get_text(first, "scenario"),
-                   pl_json_get_text(first, "label"),
-                   (long long)json_integer_value(json_object_get(first, "repeat")));
-    if (metric == NULL) {
-        pl_text_format(&line, "outcome %s, then %s", pl_json_get_text(first, "outcome"),
-                       pl_json_get_text(second, "outcome"));
-    }
-    const json_t *rows[] = {first, second};
-    for (int i = 0; i < 2 && metric != NULL; ++i) {
-        const json_t *item = json_object_get(json_object_get(rows[i], "metrics"), metric);
-        char *value =
-            json_dumps(json_object_get(item, "value"), JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
-        pl_text_format(&line, "%s %s", i == 0 ? metric : ", then", value == NULL ? "?" : value);
-        free(value);
-    }
-    char *whole = pl_text_take(&line);
-    pl_print_line(warnings, "%s", whole);
-    free(whole);
+    const json_t *found = json_object_get(json_object_get(result, "metrics"), metric);
+    const json_t *value = json_object_get(found, "value");
+    return metric == NULL  ? pl_heap_copy(pl_json_get_text(result, "outcome"))
+           : value == NULL ? pl_heap_copy("?")
+                           : json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
 }
 
+/* Counts a double, and says where it differs from the first result of its run. */
 static void judge_double(pl_merge *merge, const json_t *first, const json_t *second, FILE *warnings)
 {
     const bool same_outcome =
         strcmp(pl_json_get_text(first, "outcome"), pl_json_get_text(second, "outcome")) == 0;
     const char *metric = same_outcome ? differing_metric(first, second) : NULL;
+    const bool differs = !same_outcome || metric != NULL;
     merge->doubles += 1;
-    if (same_outcome && metric == NULL) {
-        return;
-    }
-    merge->differing += 1;
-    if (warnings != NULL && merge->differing <= MOST_WARNINGS) {
-        say_difference(first, second, metric, warnings);
+    merge->differing += differs;
+    if (differs && warnings != NULL && merge->differing <= MOST_WARNINGS) {
+        char *before = text_of(first, metric), *after = text_of(second, metric);
+        pl_print_line(warnings,
+                      "run %s, %s on %s, repeat %lld, was made twice and differs: %s %s, then %s",
+                      pl_json_get_text(first, "run"), pl_json_get_text(first, "scenario"),
+                      pl_json_get_text(first, "label"),
+                      (long long)json_integer_value(json_object_get(first, "repeat")),
+                      metric != NULL ? metric : "outcome", before, after);
+        free(before);
+        free(after);
     }
 }
 
@@ -138,32 +130,23 @@ static int is_shard(const struct dirent *entry)
            entry->d_name[length] == '\0';
 }
 
-/* Adds folder/results.jsonl, if it exists. */
-static pl_status add_results_of(pl_merge *merge, const char *folder, FILE *warnings,
-                                pl_error *error)
-{
-    char *path = pl_heap_format("%s/results.jsonl", folder);
-    const pl_status status =
-        access(path, F_OK) == 0 ? add_file(merge, path, warnings, error) : PL_OK;
-    free(path);
-    return status;
-}
-
+/* Adds the results.jsonl of a folder and of its shards, where they exist. */
 static pl_status add_folder(pl_merge *merge, const char *folder, FILE *warnings, pl_error *error)
 {
     struct dirent **shards = NULL;
-    pl_status status = add_results_of(merge, folder, warnings, error);
-    const int count = status == PL_OK ? scandir(folder, &shards, is_shard, versionsort) : 0;
-    if (count < 0) {
-        return pl_fail(error, PL_IO, "%s: %s", folder, strerror(errno));
-    }
-    for (int i = 0; i < count; ++i) {
-        char *path = pl_heap_format("%s/%s", folder, shards[i]->d_name);
-        if (status == PL_OK) {
-            status = add_results_of(merge, path, warnings, error);
+    const int count = scandir(folder, &shards, is_shard, versionsort);
+    pl_status status =
+        count >= 0 ? PL_OK : pl_fail(error, PL_IO, "%s: %s", folder, strerror(errno));
+    for (int i = -1; i < count; ++i) {
+        char *path = i < 0 ? pl_heap_format("%s/results.jsonl", folder)
+                           : pl_heap_format("%s/%s/results.jsonl", folder, shards[i]->d_name);
+        if (status == PL_OK && access(path, F_OK) == 0) {
+            status = add_file(merge, path, warnings, error);
         }
         free(path);
-        free(shards[i]);
+        if (i >= 0) {
+            free(shards[i]);
+        }
     }
     free(shards);
     return status;
