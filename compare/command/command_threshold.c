@@ -220,45 +220,38 @@ static pl_status aim(const options *o, pl_plan *plan, pl_error *error)
     return status != PL_OK || kept > 0 ? status : fail_without("the suite", error);
 }
 
+static pl_status make_plan(void *user, const pl_call *call, pl_plan *plan, pl_error *error)
+{
+    const options *o = user;
+    pl_status status = pl_request_add_cases(&o->request, plan, error);
+    if (status == PL_OK) {
+        status = aim(o, plan, error);
+    }
+    return status == PL_OK ? pl_request_add_engines(call, &o->request, plan, error) : status;
+}
+
 static pl_status make_runs(void *user, pl_execution_def *how, int *signal_number, pl_error *error)
 {
-    return pl_threshold_run(user, how, signal_number, error);
+    (void)user;
+    return pl_threshold_run(how, signal_number, error);
 }
 
 static pl_status check(void *user, pl_error *error)
 {
-    const options *o = user;
-    return pl_request_check(&o->request,
-                            "which scenario? plumb threshold SCENARIO|SCENE.json, or --suite NAME",
-                            NULL, error);
+    return pl_request_check(
+        user, "which scenario? plumb threshold SCENARIO|SCENE.json, or --suite NAME", NULL, error);
 }
 
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default(), .tolerance = (double)NAN};
-    o.request.out = "threshold";
-    pl_call_parse(call, &o);
-    pl_error error = {.message = ""};
-    pl_plan plan = {.repeats = 1};
-    int code = PL_EXIT_OK;
-    pl_status status = pl_request_add_cases(&o.request, &plan, &error);
-    if (status == PL_OK) {
-        status = aim(&o, &plan, &error);
-    }
-    if (status == PL_OK) {
-        status = pl_request_add_engines(call, &o.request, &plan, &error);
-    }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (plan.configuration_count == 0) {
-        code = pl_call_nothing(call, "there is no engine to search on");
-    } else {
-        const pl_study_work work = {.study = &pl_threshold_study, .user = &plan, .run = make_runs};
-        code = pl_study_command(call, &o.request, &work);
-    }
-    pl_plan_free(&plan);
+    const pl_study_work work = {.study = &pl_threshold_study,
+                                .user = &o,
+                                .plan = make_plan,
+                                .run = make_runs,
+                                .nothing = "there is no engine to search on"};
+    const int code = pl_study_main(call, &work);
     free(o.varied);
-    pl_request_free(&o.request);
     return code;
 }
 

@@ -65,7 +65,7 @@ static int prepare(void **state)
 static int clean(void **state)
 {
     fixture *f = *state;
-    pl_ensembles_free(&f->ensembles);
+    free(f->ensembles.items);
     pl_plan_free(&f->plan);
     remove_directory(f->folder);
     free(f);
@@ -76,12 +76,12 @@ static int clean(void **state)
 static void write_member(const fixture *f, int member, double speed, long steps)
 {
     const pl_ensemble *ensemble = &f->ensembles.items[0];
-    const pl_scene *scene = &f->plan.cases[ensemble->cases[member]].scene;
+    const pl_scene *scene = &f->plan.cases[pl_member_case(&f->ensembles, ensemble, member)].scene;
     pl_body_state states[8];
     pl_positions_writer writer;
     memset(states, 0, sizeof states);
     assert_true(scene->body_count <= 8);
-    json_t *runs = pl_member_runs(&f->plan, ensemble, 2);
+    json_t *runs = pl_member_runs(&f->plan, &f->ensembles, ensemble);
     char *path =
         pl_positions_path(f->folder, json_string_value(json_array_get(runs, (size_t)member)));
     json_decref(runs);
@@ -104,8 +104,8 @@ static pl_horizon find(const fixture *f)
 {
     pl_horizon horizon;
     const pl_ensemble *ensemble = &f->ensembles.items[0];
-    json_t *runs = pl_member_runs(&f->plan, ensemble, 2);
-    pl_horizon_find(f->folder, runs, pl_scene_least_size(&f->plan.cases[ensemble->cases[0]].scene),
+    json_t *runs = pl_member_runs(&f->plan, &f->ensembles, ensemble);
+    pl_horizon_find(f->folder, runs, pl_scene_least_size(&f->plan.cases[ensemble->first].scene),
                     &horizon);
     json_decref(runs);
     return horizon;

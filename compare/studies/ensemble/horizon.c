@@ -13,7 +13,6 @@ static const double share_of_size = 0.01;
 /* One member's open trajectory. */
 typedef struct track {
     pl_positions_reader reader;
-    double *moved; /* (3 x bodies): the displacement from the start, as read */
     double *place; /* (3 x bodies) */
 } track;
 
@@ -43,9 +42,7 @@ static bool open_track(const char *folder, const char *run, track *t)
 {
     char *path = pl_heap_format("%s/%s.positions", folder, run);
     const bool is_open = pl_positions_open(path, &t->reader);
-    const size_t count = 3 * (size_t)t->reader.bodies;
-    t->moved = pl_heap_new(count, sizeof *t->moved);
-    t->place = pl_heap_new(count, sizeof *t->place);
+    t->place = pl_heap_new(3 * (size_t)t->reader.bodies, sizeof *t->place);
     free(path);
     return is_open;
 }
@@ -53,19 +50,16 @@ static bool open_track(const char *folder, const char *run, track *t)
 static void close_track(track *t)
 {
     pl_positions_close(&t->reader);
-    free(t->moved);
     free(t->place);
 }
 
 static bool read_sample(track *t)
 {
-    if (!pl_positions_read(&t->reader, t->moved)) {
-        return false;
+    const bool is_read = pl_positions_read(&t->reader, t->place);
+    for (int i = 0; i < 3 * t->reader.bodies && is_read; ++i) {
+        t->place[i] = t->reader.start[i] + t->place[i];
     }
-    for (int i = 0; i < 3 * t->reader.bodies; ++i) {
-        t->place[i] = t->reader.start[i] + t->moved[i];
-    }
-    return true;
+    return is_read;
 }
 
 /* Reads all tracks in step, to the end of the shortest. */

@@ -34,8 +34,8 @@ extern const double pl_energy_growth;
 
 /* What was observed in the members of one ensemble. */
 typedef struct pl_observations {
-    int results;                    /* members with a result */
-    int outcomes[PL_OUTCOME_COUNT]; /* of these members */
+    int results;                        /* members with a result */
+    int outcomes[PL_OUTCOME_COUNT + 1]; /* of these members; the last: of an unknown name */
     pl_invariants invariants;
     pl_sample samples[PL_METRIC_COUNT]; /* empty where the metric is no observable */
 } pl_observations;

@@ -18,7 +18,11 @@ extern const double pl_significance;
 /* All that is known of one ensemble. */
 typedef struct pl_ensemble_view {
     pl_ensemble ensemble;
-    char name[256]; /* the engine's label, and the other setting in brackets */
+    char name[256];  /* the engine's label, and the other setting in brackets */
+    const char *key; /* what tells it from others; borrowed */
+    int place;       /* in the order of the command */
+    json_t *results; /* (members that have one): by number */
+    json_t *runs;    /* their hashes, as many */
     pl_observations observed;
     pl_horizon horizon;
 } pl_ensemble_view;

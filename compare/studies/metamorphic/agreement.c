@@ -38,51 +38,22 @@ void pl_trajectory_rewind(pl_trajectory *trajectory, int body_count)
     (void)!getline(&t->line, &t->capacity, t->file);
 }
 
-/* The text after the quoted name that begins at `text`, in which quotes are doubled; NULL where the
- * name has no end. */
-static const char *after_name(const char *text)
-{
-    if (*text++ != '"') {
-        return NULL;
-    }
-    for (; *text != '\0'; ++text) {
-        if (*text == '"') {
-            if (text[1] != '"') {
-                return text + 1;
-            }
-            ++text;
-        }
-    }
-    return NULL;
-}
-
-/* Reads `count` numbers, each after a comma. */
-static const char *read_numbers(const char *text, double *numbers, int count)
-{
-    for (int i = 0; i < count && text != NULL; ++i) {
-        char *end = NULL;
-        if (*text != ',') {
-            return NULL;
-        }
-        numbers[i] = strtod(text + 1, &end);
-        text = end == text + 1 ? NULL : end;
-    }
-    return text;
-}
-
+/* Reads a line: the time, the name of the body in quotes, and the numbers of its state. */
 static bool read_line(pl_trajectory *t, pl_body_state *body)
 {
+    double *x = body->position, *q = body->orientation, *v = body->velocity,
+           *w = body->angular_velocity;
+    char end = '\0';
     if (getline(&t->line, &t->capacity, t->file) < 0) {
         return false;
     }
-    char *end = NULL;
-    t->frame.time = strtod(t->line, &end);
-    const char *text = *end == ',' ? after_name(end + 1) : NULL;
-    text = text == NULL ? NULL : read_numbers(text, body->position, 3);
-    text = text == NULL ? NULL : read_numbers(text, body->orientation, 4);
-    text = text == NULL ? NULL : read_numbers(text, body->velocity, 3);
-    text = text == NULL ? NULL : read_numbers(text, body->angular_velocity, 3);
-    return text != NULL && *text == '\n';
+    t->frame.time = strtod(t->line, NULL);
+    const char *numbers = strrchr(t->line, '"');
+    return numbers != NULL &&
+           sscanf(numbers, "\",%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf%c", &x[0], &x[1],
+                  &x[2], &q[0], &q[1], &q[2], &q[3], &v[0], &v[1], &v[2], &w[0], &w[1], &w[2],
+                  &end) == 14 &&
+           end == '\n';
 }
 
 bool pl_trajectory_next(pl_trajectory *trajectory)

@@ -6,8 +6,8 @@
 #include "plumb/engine_abi.h"
 #include "plumb/scene.h"
 
-/* Whether the motion of every dynamic body is known over the first `fraction` (0 to 1) of a step. It is for
- * bodies
+/* The scene that starts `fraction` (0 to 1) of a step later and ends at a whole step before its end, without the
+ * original's expectations, if the motion of every dynamic body is known over that time. It is for bodies
  *
  *   in free flight: they reach no other body in that time, and do not spin or keep their spin (it is
  *     along a principal axis, or the principal moments are equal);
@@ -15,12 +15,10 @@
  *   in uniform motion on static bodies whose flat, level tops are at one height: they slide without
  *     friction and without spin, or are spheres that roll.
  *
- * A scene with forces has none. False with the reason, in static storage. */
-bool pl_late_start_is_known(const pl_scene *scene, double fraction, const char **reason);
-
-/* The scene that starts `fraction` of a step later and ends at a whole step before its end. Without the
- * original's expectations. The motion must be known. The caller frees *to, which is left empty on failure. */
-pl_status pl_late_start_scene(const pl_scene *from, double fraction, pl_scene *to, pl_error *error);
+ * A scene with forces has none. Where it is not known, *reason says why, in static storage, and else is NULL. The caller
+ * frees *to, which is left empty without such a scene. */
+pl_status pl_late_start(const pl_scene *from, double fraction, pl_scene *to, const char **reason,
+                        pl_error *error);
 
 /* The state of a body `fraction` of a step of dt (s) after `now`, with the mean accelerations of the step to
  * `next`: exact under constant forces. */

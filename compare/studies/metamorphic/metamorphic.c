@@ -3,11 +3,8 @@
 
 #include "agreement.h"
 #include "base/heap.h"
-#include "divide.h"
-#include "late_start.h"
 #include "results/run_verdict.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -156,23 +153,11 @@ static pl_status make_runs(work *w, pair *p, const framed_run *runs, int count, 
     return status;
 }
 
-/* Makes the check's scene, which begins at the plain run's frame r->first. */
-static pl_status make_scene(pair *p, const framed_run *r, pl_scene *scene, pl_error *error)
+/* The scene of a restart, which begins at the plain run's frame r->first. */
+static pl_status restart(pair *p, const framed_run *r, pl_scene *scene, pl_error *error)
 {
     const pl_scene *plain = &p->plain.test_case.scene;
     pl_trajectory *frames = &p->plain.trajectory;
-    switch (r->check->kind) {
-    case PL_CHECK_RESTART:
-        break;
-    case PL_CHECK_SPLIT:
-        return pl_split_boxes(plain, r->check->axis, scene, error);
-    case PL_CHECK_TESSELLATE:
-        return pl_tessellate_boxes(plain, (int)r->check->amount, scene, error);
-    case PL_CHECK_LATE:
-        return pl_late_start_scene(plain, r->check->amount, scene, error);
-    default:
-        return pl_transform_scene(&r->transform, plain, scene, error);
-    }
     pl_trajectory_rewind(frames, plain->body_count);
     for (long i = 0; i <= r->first; ++i) {
         if (!pl_trajectory_next(frames)) {
@@ -215,13 +200,17 @@ static pl_status prepare_check(work *w, pair *p, const pl_check *check, pl_error
     r.test_case.variation.change = check->name;
     r.test_case.study = json_pack("{s:s, s:s, s:s}", "name", "metamorphic", "check", check->name,
                                   "plain", p->plain.run);
-    if (!pl_check_transform(check, plain, &r.transform, &reason)) {
-        const pl_status status = add_inapplicable(w, p, &r.test_case, reason, error);
+    pl_scene scene = pl_scene_default();
+    pl_status status = pl_check_scene(check, plain, &r.transform, &scene, &reason, error);
+    if (status == PL_OK && reason != NULL) {
+        status = add_inapplicable(w, p, &r.test_case, reason, error);
         json_decref(r.test_case.study);
         return status;
     }
-    r.test_case.scene = pl_scene_default();
-    pl_status status = make_scene(p, &r, &r.test_case.scene, error);
+    if (status == PL_OK && check->kind == PL_CHECK_RESTART) {
+        status = restart(p, &r, &scene, error);
+    }
+    r.test_case.scene = scene;
     if (status == PL_OK) {
         status = pl_scene_hash(&r.test_case.scene, r.test_case.scene_hash, error);
     }
@@ -326,7 +315,7 @@ static void end_pair(pair *p)
     json_decref(p->result);
 }
 
-pl_status pl_metamorphic_run(const pl_plan *plan, const bool *chosen, const pl_execution_def *how,
+pl_status pl_metamorphic_run(const bool *chosen, const pl_execution_def *how,
                              int *signal_number, /* NOLINT(readability-non-const-parameter) */
                              pl_error *error)
 {
@@ -334,6 +323,7 @@ pl_status pl_metamorphic_run(const pl_plan *plan, const bool *chosen, const pl_e
               .how = how,
               .made = made_checks(pl_store_results(how->store)),
               .signal_number = signal_number};
+    const pl_plan *plan = how->plan;
     const long count = pl_plan_size(plan);
     pair *pairs = pl_heap_new((size_t)count, sizeof *pairs);
     pl_status status = PL_OK;

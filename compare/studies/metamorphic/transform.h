@@ -31,15 +31,13 @@ pl_transform pl_transform_identity(void);
 
 /* A rotation about axis 0, 1 or 2 (x, y, z) by `eighths` of a turn, -7 .. 7. */
 pl_transform pl_transform_rotation(int axis, int eighths);
-pl_transform pl_transform_mirror(void); /* y -> -y */
-/* Lengths times `scale` > 0. */
-pl_transform pl_transform_scaling(double scale);
-/* A translation, m. */
-pl_transform pl_transform_shift(double x, double y, double z);
-/* Another order of the bodies. */
-pl_transform pl_transform_order(pl_body_order order);
-/* A second copy of all bodies except planes, moved by `offset` (m). */
-pl_transform pl_transform_copy(const double offset[3]);
+
+/* y -> -y */
+pl_transform pl_transform_mirror(void);
+
+/* The state in which a body starts, and a body that starts in a state. */
+pl_body_state pl_body_start(const pl_body *body);
+void pl_body_set_start(pl_body *body, const pl_body_state *state);
 
 /* A deep copy of a valid scene, without its expectations. Forces come in the order of their bodies; polyhedra
  * with neither a name nor a body are left out. The caller frees *to, which is left empty on failure. */
