@@ -2,6 +2,7 @@
 #include "ensemble.h"
 
 #include "base/heap.h"
+#include "horizon.h"
 #include "plumb/jitter.h"
 #include "two_sample.h"
 #include "verdict.h"
@@ -17,7 +18,6 @@ typedef struct conclusion {
     pl_ensemble_view *views; /* (count) */
     int count;
     int members;
-    pl_verdicts verdicts;
     const char *folder;
     json_t *before; /* the conclusion that the folder has; NULL: none */
 } conclusion;
@@ -151,24 +151,18 @@ static void number_ensembles(conclusion *c)
     json_decref(configurations);
 }
 
-/* Takes the horizon from the conclusion before, if that has an ensemble of exactly these runs. */
-static void recall_horizon(const conclusion *c, const json_t *runs, pl_horizon *horizon)
+/* The horizon that the conclusion before has of exactly these runs; NULL: none. */
+static json_t *recall_horizon(const conclusion *c, const json_t *runs)
 {
     size_t index;
     const json_t *item;
     json_array_foreach(json_object_get(c->before, "ensembles"), index, item)
     {
-        const double time = pl_study_number(item, "horizon.time");
-        if (pl_study_get(item, "horizon.threshold") != NULL &&
-            json_equal(json_object_get(item, "runs"), runs)) {
-            *horizon = (pl_horizon){.known = true,
-                                    .time = isnan(time) ? (double)INFINITY : time,
-                                    .threshold = pl_study_number(item, "horizon.threshold"),
-                                    .last_spread = pl_study_number(item, "horizon.last_spread"),
-                                    .last_time = pl_study_number(item, "horizon.last_time")};
-            break;
+        if (json_equal(json_object_get(item, "runs"), runs)) {
+            return json_object_get(item, "horizon");
         }
     }
+    return NULL;
 }
 
 static void observe(conclusion *c)
@@ -177,32 +171,19 @@ static void observe(conclusion *c)
     for (int i = 0; i < c->count; ++i) {
         pl_ensemble_view *view = &c->views[i];
         pl_observations_gather(view->results, &view->observed);
-        pl_horizon_find(trajectories, view->runs,
-                        pl_study_number(first_of(view), "ensemble.least_size"), &view->horizon);
-        if (!view->horizon.known) {
-            recall_horizon(c, view->runs, &view->horizon);
+        view->horizon = pl_horizon_find(trajectories, view->runs,
+                                        pl_study_number(first_of(view), "ensemble.least_size"));
+        json_t *before = recall_horizon(c, view->runs);
+        if (json_object_get(view->horizon, "threshold") == NULL &&
+            json_object_get(before, "threshold") != NULL) {
+            json_decref(view->horizon);
+            view->horizon = json_incref(before);
         }
     }
     free(trajectories);
 }
 
 /* ---- plumb.ensemble/1 ---- */
-
-static json_t *horizon_json(const pl_horizon *horizon)
-{
-    if (!horizon->known) {
-        return json_pack("{s:n, s:s}", "time", "reason", horizon->reason);
-    }
-    json_t *object =
-        json_pack("{s:o, s:f, s:o, s:f}", "time", pl_json_number_or_null(horizon->time),
-                  "threshold", horizon->threshold, "last_spread",
-                  pl_json_number_or_null(horizon->last_spread), "last_time", horizon->last_time);
-    if (isinf(horizon->time)) {
-        json_object_set_new(object, "reason",
-                            json_sprintf("not passed within %.6g s", horizon->last_time));
-    }
-    return object;
-}
 
 static json_t *sample_json(const pl_sample *sample, const pl_metric_info *info)
 {
@@ -215,80 +196,39 @@ static json_t *sample_json(const pl_sample *sample, const pl_metric_info *info)
                      pl_json_number_or_null(sample->deviation), "unsettled", sample->unsettled);
 }
 
-static json_t *outcomes_json(const pl_observations *observed)
-{
-    json_t *outcomes = json_object();
-    for (int i = 0; i < PL_OUTCOME_COUNT; ++i) {
-        if (observed->outcomes[i] > 0) {
-            json_object_set_new(outcomes, pl_outcome_name((pl_outcome)i),
-                                json_integer(observed->outcomes[i]));
-        }
-    }
-    return outcomes;
-}
-
 static json_t *view_json(const pl_ensemble_view *view)
 {
     const json_t *first = first_of(view);
-    const pl_invariants *kept = &view->observed.invariants;
+    const pl_observations *observed = &view->observed;
     json_t *observables = json_object();
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         const pl_metric_info *info = &pl_metric_table[i];
         if (pl_is_observable(i)) {
-            json_object_set_new(observables, info->name,
-                                sample_json(&view->observed.samples[i], info));
+            json_object_set_new(observables, info->name, sample_json(&observed->samples[i], info));
         }
     }
     return json_pack(
-        "{s:i, s:O, s:O, s:o, s:O, s:O, s:b, s:O, s:O, s:i, s:o, s:{s:i, s:o, s:i, s:i}, s:o, s:o}",
-        "case", view->ensemble.test_case, "scenario", json_object_get(first, "scenario"), "params",
+        "{s:i, s:O, s:O, s:o, s:O, s:O, s:b, s:O, s:O, s:i, s:O, s:O, s:O, s:o}", "case",
+        view->ensemble.test_case, "scenario", json_object_get(first, "scenario"), "params",
         pl_study_get(first, "study.case"), "name", pl_json_text(view->name), "label",
         json_object_get(first, "label"), "setting", pl_study_get(first, "study.setting"),
         "converged", (int)view->ensemble.reference, "dt", pl_study_get(first, "settings.dt"),
-        "runs", view->runs, "results", view->observed.results, "outcomes",
-        outcomes_json(&view->observed), "invariants", "energy_grew", kept->energy_grew,
-        "energy_growth", pl_json_number_or_null(kept->energy_growth), "fell_through",
-        kept->fell_through, "not_finite", kept->not_finite, "horizon", horizon_json(&view->horizon),
+        "runs", view->runs, "results", (int)json_array_size(view->results), "outcomes",
+        observed->outcomes, "invariants", observed->invariants, "horizon", view->horizon,
         "observables", observables);
-}
-
-/* A distance over its floor; NAN where there is no floor. */
-static double floor_ratio(double value, double floor)
-{
-    return floor > 0 ? value / floor : (double)NAN;
-}
-
-static json_t *comparison_json(const pl_ensemble_view *views, const pl_sample_test *c)
-{
-    char sentence[512] = "";
-    if (c->apart) {
-        pl_sample_test_sentence(views, c, sentence, sizeof sentence);
-    }
-    return json_pack(
-        "{s:i, s:i, s:s, s:f, s:o, s:o, s:f, s:o, s:o, s:f, s:f, s:s, s:o}", "a", c->a, "b", c->b,
-        "observable", pl_metric_table[c->observable].name, "energy_distance", c->energy,
-        "energy_distance_floor", pl_json_number_or_null(c->energy_floor), "energy_distance_ratio",
-        pl_json_number_or_null(floor_ratio(c->energy, c->energy_floor)), "ks", c->ks, "ks_floor",
-        pl_json_number_or_null(c->ks_floor), "ks_ratio",
-        pl_json_number_or_null(floor_ratio(c->ks, c->ks_floor)), "p", c->p, "p_corrected",
-        c->corrected, "verdict", c->apart ? "told apart" : "not told apart", "finding",
-        c->apart ? json_string(sentence) : json_null());
 }
 
 static json_t *conclusion_json(const conclusion *c)
 {
-    json_t *all = json_array(), *comparisons = json_array();
+    json_t *all = json_array();
     for (int i = 0; i < c->count; ++i) {
         json_array_append_new(all, view_json(&c->views[i]));
-    }
-    for (int i = 0; i < c->verdicts.count; ++i) {
-        json_array_append_new(comparisons, comparison_json(c->views, &c->verdicts.items[i]));
     }
     return json_pack("{s:s, s:i, s:O, s:f, s:f, s:i, s:f, s:o, s:o}", "schema", "plumb.ensemble/1",
                      "members", c->members, "seed", json_object_get(first_of(&c->views[0]), "seed"),
                      "jitter", pl_jitter_amplitude, "significance", pl_significance, "permutations",
                      PL_PERMUTATION_DRAWS, "energy_growth_allowed", pl_energy_growth, "ensembles",
-                     all, "comparisons", comparisons);
+                     all, "comparisons", pl_verdicts_reach(c->views, c->count));
 }
 
 static void free_conclusion(conclusion *c)
@@ -296,9 +236,9 @@ static void free_conclusion(conclusion *c)
     for (int i = 0; i < c->count; ++i) {
         json_decref(c->views[i].results);
         json_decref(c->views[i].runs);
+        json_decref(c->views[i].horizon);
         pl_observations_free(&c->views[i].observed);
     }
-    pl_verdicts_free(&c->verdicts);
     json_decref(c->groups);
     free(c->views);
     json_decref(c->before);
@@ -317,7 +257,6 @@ pl_status pl_ensemble_conclude(const json_t *results, const char *folder, json_t
     group_results(&c, results);
     number_ensembles(&c);
     observe(&c);
-    c.verdicts = pl_verdicts_reach(c.views, c.count);
     *outcome = conclusion_json(&c);
     free_conclusion(&c);
     free(path);

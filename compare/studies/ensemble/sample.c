@@ -6,6 +6,7 @@
 #include "studies/study.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 const double pl_energy_growth = 1e-3;
 
@@ -80,32 +81,38 @@ bool pl_fell_through(const pl_scene *scene, const json_t *result)
     return false;
 }
 
-static void check_invariants(pl_invariants *kept, pl_outcome outcome, const json_t *result)
+static void count(json_t *counts, const char *key, bool counted)
+{
+    json_object_set_new(counts, key, json_integer(pl_study_integer(counts, key) + counted));
+}
+
+static void check_invariants(json_t *kept, const json_t *result, const char *outcome)
 {
     /* fmax passes over a NAN. */
     const double growth =
         fmax(value_of(result, PL_METRIC_ENERGY_GAIN), value_of(result, PL_METRIC_ENERGY_STEP_GAIN));
-    kept->energy_growth = fmax(kept->energy_growth, growth);
-    kept->energy_grew += growth > pl_energy_growth;
-    kept->fell_through += json_is_true(pl_study_get(result, "ensemble.fell_through"));
-    kept->not_finite += outcome == PL_OUTCOME_NONFINITE;
+    count(kept, "energy_grew", growth > pl_energy_growth);
+    count(kept, "fell_through", json_is_true(pl_study_get(result, "ensemble.fell_through")));
+    count(kept, "not_finite", strcmp(outcome, pl_outcome_name(PL_OUTCOME_NONFINITE)) == 0);
+    json_object_set_new(
+        kept, "energy_growth",
+        pl_json_number_or_null(fmax(pl_study_number(kept, "energy_growth"), growth)));
 }
 
 void pl_observations_gather(const json_t *results, pl_observations *observed)
 {
     size_t index;
     const json_t *result;
-    *observed = (pl_observations){.invariants = {.energy_growth = NAN}};
+    *observed = (pl_observations){.outcomes = json_object(), .invariants = json_object()};
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         observed->samples[i].values = pl_heap_new(json_array_size(results), sizeof(double));
     }
     json_array_foreach((json_t *)results, index, result)
     {
-        const pl_outcome outcome = pl_outcome_named(pl_json_get_text(result, "outcome"));
-        observed->results += 1;
-        observed->outcomes[outcome] += 1;
-        check_invariants(&observed->invariants, outcome, result);
-        if (outcome == PL_OUTCOME_OK || outcome == PL_OUTCOME_COLLAPSED) {
+        const char *outcome = pl_json_get_text(result, "outcome");
+        count(observed->outcomes, outcome, true);
+        check_invariants(observed->invariants, result, outcome);
+        if (strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0) {
             add_values(observed, result);
         }
     }
@@ -119,5 +126,6 @@ void pl_observations_free(pl_observations *observed)
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         free(observed->samples[i].values);
     }
-    *observed = (pl_observations){.results = 0};
+    json_decref(observed->outcomes);
+    json_decref(observed->invariants);
 }

@@ -169,13 +169,14 @@ static void test_ends(const crowd *own, const crowd *others, const pl_reference 
 static void find_parting(const crowd *own, const char *folder, pl_after_horizon *after)
 {
     const pl_case *first = &own->plan.cases[own->ensembles.items[0].first];
-    pl_horizon horizon;
-    pl_horizon_find(folder, json_array_get(own->runs, 0), pl_scene_least_size(&first->scene),
-                    &horizon);
-    if (horizon.known && isfinite(horizon.time)) {
-        after->parted = horizon.time;
+    json_t *horizon =
+        pl_horizon_find(folder, json_array_get(own->runs, 0), pl_scene_least_size(&first->scene));
+    const json_t *time = json_object_get(horizon, "time");
+    if (json_is_number(time)) {
+        after->parted = json_number_value(time);
         after->chaotic = true;
     }
+    json_decref(horizon);
 }
 
 static pl_status compare_crowds(const pl_reference_def *def, const pl_reference_verdict *verdict,
