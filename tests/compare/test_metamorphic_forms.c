@@ -1,8 +1,7 @@
 /* Other forms of the same scene: static boxes split or as meshes, and starts a fraction of a step later. */
 #include "check.h"
 #include "plumb/vec.h"
-#include "studies/metamorphic/divide.h"
-#include "studies/metamorphic/late_start.h"
+#include "studies/metamorphic/transform.h"
 
 #include <math.h>
 #include <stdio.h>

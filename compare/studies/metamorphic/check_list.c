@@ -2,9 +2,6 @@
 #include "check_list.h"
 
 #include "base/heap.h"
-#include "divide.h"
-#include "late_start.h"
-#include "transform.h"
 
 #include <string.h>
 

@@ -1,8 +1,7 @@
-#include "divide.h"
+#include "transform.h"
 
 #include "base/heap.h"
 #include "plumb/vec.h"
-#include "transform.h"
 
 #include <stdio.h>
 #include <stdlib.h>

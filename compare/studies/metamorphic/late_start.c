@@ -1,9 +1,8 @@
-#include "late_start.h"
+#include "transform.h"
 
 #include "plumb/vec.h"
 #include "referee/geometry/gap.h"
 #include "referee/geometry/solid.h"
-#include "transform.h"
 
 #include <math.h>
 #include <string.h>

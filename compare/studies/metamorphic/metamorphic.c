@@ -47,20 +47,9 @@ static bool finished(const json_t *result)
     return strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0;
 }
 
-/* ---- Agreement ---- */
-
-static json_t *difference_to_json(const pl_difference *d)
-{
-    return json_pack("{s:o, s:o, s:s}", "position", pl_json_number_or_null(d->position), "rotation",
-                     pl_json_number_or_null(d->rotation), "verdict",
-                     pl_grade_name(pl_difference_grade(d)));
-}
-
 /* How far a run of a transformed scene agrees with the plain run. */
 static json_t *agreement_of(pair *p, framed_run *r)
 {
-    pl_error fault = {.message = ""};
-    pl_agreement found;
     const pl_trajectory_pair comparison = {
         .scene = &p->plain.test_case.scene,
         .transform = &r->transform,
@@ -70,12 +59,7 @@ static json_t *agreement_of(pair *p, framed_run *r)
         .other_body_count = r->test_case.scene.body_count,
         .first = r->first,
         .later = r->check->kind == PL_CHECK_LATE ? r->check->amount : 0};
-    if (pl_compare_trajectories(&comparison, &found, &fault) != PL_OK) {
-        return json_pack("{s:s}", "reason", fault.message);
-    }
-    return json_pack("{s:o, s:o, s:o}", "passes_at", pl_json_number_or_null(found.passes_at),
-                     "early", difference_to_json(&found.early), "end",
-                     difference_to_json(&found.end));
+    return pl_agreement_of(&comparison);
 }
 
 static framed_run *find_run(pair *p, const char *run)
@@ -104,23 +88,14 @@ static void amend(void *user, json_t *result)
     pair *p = user;
     framed_run *r = find_run(p, pl_json_get_text(result, "run"));
     if (r->check == NULL) {
+        p->result = json_incref(result);
         json_object_set_new(result, "agreement", json_pack("{s:f}", "size", p->size));
-    } else if (finished(result)) {
+        return;
+    }
+    if (finished(result)) {
         json_object_set_new(result, "agreement", agreement_of(p, r));
     }
-    if (r->check != NULL) {
-        pl_trajectory_close(&r->trajectory);
-    }
-}
-
-static pl_status take(void *user, json_t *result, pl_error *error)
-{
-    (void)error;
-    pair *p = user;
-    if (strcmp(pl_json_get_text(result, "run"), p->plain.run) == 0) {
-        p->result = json_incref(result);
-    }
-    return PL_OK;
+    pl_trajectory_close(&r->trajectory);
 }
 
 /* ---- Runs ---- */
@@ -147,7 +122,6 @@ static pl_status make_runs(work *w, pair *p, const framed_run *runs, int count, 
     execution.user = p;
     execution.frames = open_frames;
     execution.amend = amend;
-    execution.take = take;
     const pl_status status = pl_execute(&execution, w->signal_number, error);
     free(cases);
     return status;
