@@ -88,31 +88,29 @@ pl_status pl_threshold_run(const pl_execution_def *how, int *signal_number, pl_e
     const int count = plan->case_count * plan->configuration_count;
     work w = {.searches = {.how = how, .next = next, .take = take, .user = &w},
               .bisections = pl_heap_new((size_t)count, sizeof *w.bisections)};
-    pl_progress bar;
     long total = 0;
     for (int i = 0; i < count; ++i) {
         const pl_case *test_case = &plan->cases[i / plan->configuration_count];
-        begin(test_case->study, &w.bisections[i]);
+        pl_bisection *bisection = &w.bisections[w.searches.count];
+        if (!begin(test_case->study, bisection)) {
+            continue;
+        }
         const pl_search added = {
             .test_case = i / plan->configuration_count,
             .configuration = i % plan->configuration_count,
             .param =
                 pl_scenario_param(test_case->descriptor, pl_study_text(test_case->study, "param")),
             .study = test_case->study,
-            .most = pl_bisection_most_trials(&w.bisections[i])};
+            .most = pl_bisection_most_trials(bisection)};
         total += added.most;
         pl_push(&w.searches.items, &w.searches.count, &added, sizeof added);
     }
-    if (how->progress != NULL) {
-        /* Where the bar cannot be drawn again, a line a trial would be hundreds of lines. */
-        bar = pl_progress_begin(how->progress, total, pl_monotonic_seconds());
-        w.searches.bar = bar.terminal ? &bar : NULL;
-        w.out = bar.terminal ? NULL : how->progress;
-    }
+    /* Where the bar cannot be drawn again, a line a trial would be hundreds of lines. */
+    pl_progress bar = pl_progress_begin(how->progress, total, pl_monotonic_seconds());
+    w.searches.bar = bar.terminal ? &bar : NULL;
+    w.out = bar.terminal ? NULL : how->progress;
     const pl_status status = pl_searches_run(&w.searches, signal_number, error);
-    if (how->progress != NULL) {
-        pl_progress_end(&bar);
-    }
+    pl_progress_end(&bar);
     free(w.searches.items);
     free(w.bisections);
     return status;

@@ -13,7 +13,7 @@
 json_t *pl_threshold_study_of(const pl_scenario *scenario, const pl_threshold *threshold,
                               const double *params);
 
-/* Makes the trials of all searches: of each case of how->plan, with its `study`, on each configuration. A signal ends
+/* Makes the trials of all searches: of each case of how->plan that has a `study`, on each configuration. A signal ends
  * the search as in pl_execute. */
 pl_status pl_threshold_run(const pl_execution_def *how, int *signal_number, pl_error *error);
 
