@@ -1,7 +1,7 @@
 /* plumb ensemble: engines compared where motion is chaotic, so that no single trajectory is right,
  * by the distributions of the end states of many runs from almost the same start. */
-#include "base/array.h"
 #include "base/heap.h"
+#include "base/thread_pool.h"
 #include "runner/positions.h"
 #include "studies/ensemble/ensemble.h"
 #include "studies/ensemble/verdict.h"
@@ -9,21 +9,13 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-/* A --against: other settings of the scenarios. */
-typedef struct other_setting {
-    char *parts; /* the text, cut at its commas */
-    pl_texts settings;
-} other_setting;
 
 typedef struct options {
     pl_request request;
-    pl_texts against;
-    other_setting *others; /* (other_count), of each text in `against` */
-    int other_count;
+    pl_texts against; /* other settings of the scenarios */
     int members;
     bool converged, keep;
+    pl_ensembles ensembles;
 } options;
 
 static const char ITSELF[] = "itself";
@@ -45,10 +37,12 @@ static bool cut_settings(char *parts, pl_texts *settings)
 static pl_status add_against(void *user, const char *text, pl_error *error)
 {
     options *o = user;
-    other_setting added = {.parts = pl_heap_copy(text)};
-    const bool right = strcmp(text, ITSELF) == 0 || cut_settings(added.parts, &added.settings);
+    char *parts = pl_heap_copy(text);
+    pl_texts settings = {.count = 0};
+    const bool right = strcmp(text, ITSELF) == 0 || cut_settings(parts, &settings);
     pl_texts_add(&o->against, text);
-    pl_push(&o->others, &o->other_count, &added, sizeof added);
+    free(settings.items);
+    free(parts);
     return right ? PL_OK
                  : pl_fail(error, PL_BAD_INPUT,
                            "--against takes NAME=VALUE[,NAME=VALUE]... or %s; found \"%s\"", ITSELF,
@@ -59,47 +53,54 @@ static pl_status add_against(void *user, const char *text, pl_error *error)
 static pl_status add_cases(void *user, int setting, pl_plan *plan, pl_error *error)
 {
     const options *o = user;
+    const char *text = setting > 0 ? o->against.items[setting - 1] : ITSELF;
+    char *parts = pl_heap_copy(text);
     pl_request request = o->request;
-    if (setting > 0) {
-        request.others = o->others[setting - 1].settings;
-        request.others_option = "--against";
+    request.others_option = "--against";
+    if (strcmp(text, ITSELF) != 0) {
+        cut_settings(parts, &request.others);
     }
-    return pl_request_add_cases(&request, plan, error);
+    const pl_status status = pl_request_add_cases(&request, plan, error);
+    free(request.others.items);
+    free(parts);
+    return status;
 }
 
-/* The plan, and where its trajectories go. */
-typedef struct planned_work {
-    pl_plan plan;
-    pl_ensembles ensembles;
-    char *trajectories;
-} planned_work;
+static char *trajectories_of(const options *o)
+{
+    return pl_heap_format("%s/trajectories", o->request.out);
+}
 
 static pl_status make_runs(void *user, pl_execution_def *how, int *signal_number, pl_error *error)
 {
-    const planned_work *work = user;
-    how->positions = work->trajectories;
-    const pl_status status = pl_make_directories(work->trajectories, error);
-    return status == PL_OK
-               ? pl_ensemble_run(&work->plan, &work->ensembles, how, signal_number, error)
-               : status;
-}
-
-/* Runs what is due and concludes. */
-static int execute(const pl_call *call, const options *o, planned_work *planned)
-{
-    const pl_study_work work = {.study = &pl_ensemble_study, .user = planned, .run = make_runs};
-    planned->trajectories = pl_heap_format("%s/trajectories", o->request.out);
-    const int code = pl_study_command(call, &o->request, &work);
-    if (!o->keep && (code == PL_EXIT_OK || code == PL_EXIT_NOTHING)) {
-        pl_positions_clear(planned->trajectories);
+    const options *o = user;
+    char *trajectories = trajectories_of(o);
+    how->positions = trajectories;
+    pl_status status = pl_make_directories(trajectories, error);
+    if (status == PL_OK) {
+        status = pl_ensemble_run(&o->ensembles, how, signal_number, error);
     }
-    free(planned->trajectories);
-    return code;
+    free(trajectories);
+    return status;
 }
 
-static pl_status make_plan(const pl_call *call, options *o, pl_plan *plan, pl_ensembles *ensembles,
-                           pl_error *error)
+static pl_status finish(void *user, const json_t *conclusion, int *code, pl_error *error)
 {
+    const options *o = user;
+    char *trajectories = trajectories_of(o);
+    (void)conclusion;
+    (void)code;
+    (void)error;
+    if (!o->keep) {
+        pl_positions_clear(trajectories);
+    }
+    free(trajectories);
+    return PL_OK;
+}
+
+static pl_status make_plan(void *user, const pl_call *call, pl_plan *plan, pl_error *error)
+{
+    options *o = user;
     const pl_members_def def = {.members = o->members,
                                 .setting_count = o->against.count,
                                 .references = o->converged,
@@ -110,30 +111,13 @@ static pl_status make_plan(const pl_call *call, options *o, pl_plan *plan, pl_en
     }
     pl_status status = pl_request_add_engines(call, &o->request, plan, error);
     if (status == PL_OK) {
-        status = pl_members_plan(&def, plan, ensembles, error);
+        status = pl_members_plan(&def, plan, &o->ensembles, error);
     }
     if (status == PL_OK) {
-        pl_ensemble_mark(ensembles, o->against.items, plan);
-        status = pl_verdicts_possible(ensembles, error);
+        pl_ensemble_mark(&o->ensembles, o->against.items, plan);
+        status = pl_verdicts_possible(&o->ensembles, error);
     }
     return status;
-}
-
-static int core_count(void)
-{
-    long count = sysconf(_SC_NPROCESSORS_ONLN);
-    return count < 1 ? 1 : count > 1024 ? 1024 : (int)count;
-}
-
-static void free_options(options *o)
-{
-    for (int i = 0; i < o->other_count; ++i) {
-        free(o->others[i].parts);
-        free(o->others[i].settings.items);
-    }
-    free(o->others);
-    free(o->against.items);
-    pl_request_free(&o->request);
 }
 
 static pl_status check(void *user, pl_error *error)
@@ -144,23 +128,15 @@ static pl_status check(void *user, pl_error *error)
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default(), .members = 16};
-    o.request.out = "ensemble";
-    o.request.jobs = core_count();
-    pl_call_parse(call, &o);
-    pl_error error = {.message = ""};
-    planned_work planned = {.plan = {.repeats = 1}};
-    int code = PL_EXIT_OK;
-    pl_status status = make_plan(call, &o, &planned.plan, &planned.ensembles, &error);
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (planned.ensembles.count == 0) {
-        code = pl_call_nothing(call, "there is nothing to compare");
-    } else {
-        code = execute(call, &o, &planned);
-    }
-    pl_ensembles_free(&planned.ensembles);
-    pl_plan_free(&planned.plan);
-    free_options(&o);
+    const pl_study_work work = {.study = &pl_ensemble_study,
+                                .user = &o,
+                                .plan = make_plan,
+                                .run = make_runs,
+                                .finish = finish};
+    o.request.jobs = pl_usable_cpus();
+    const int code = pl_study_main(call, &work);
+    free(o.ensembles.items);
+    free(o.against.items);
     return code;
 }
 

@@ -1,5 +1,4 @@
 /* plumb metamorphic: checks of engines that need no reference. */
-#include "base/heap.h"
 #include "studies/metamorphic/metamorphic.h"
 #include "study_command.h"
 
@@ -8,34 +7,20 @@
 typedef struct options {
     pl_request request;
     pl_texts checks;
+    bool *chosen; /* of pl_checks */
 } options;
 
-/* The runs to make. */
-typedef struct chosen_work {
-    const pl_plan *plan;
-    bool *chosen; /* of pl_checks */
-} chosen_work;
-
-/* The caller frees *chosen. */
-static pl_status choose_checks(const options *o, bool **chosen, pl_error *error)
+static pl_status make_plan(void *user, const pl_call *call, pl_plan *plan, pl_error *error)
 {
-    int count;
-    (void)pl_checks(&count);
-    *chosen = pl_heap_new((size_t)count, sizeof **chosen);
-    for (int i = 0; i < count; ++i) {
-        (*chosen)[i] = o->checks.count == 0;
-    }
-    pl_status status = PL_OK;
-    for (int i = 0; i < o->checks.count && status == PL_OK; ++i) {
-        status = pl_check_choose(o->checks.items[i], *chosen, error);
-    }
-    return status;
+    options *o = user;
+    const pl_status status = pl_checks_choose(o->checks.items, o->checks.count, &o->chosen, error);
+    return status == PL_OK ? pl_request_plan(call, &o->request, plan, error) : status;
 }
 
 static pl_status make_runs(void *user, pl_execution_def *how, int *signal_number, pl_error *error)
 {
-    const chosen_work *work = user;
-    return pl_metamorphic_run(work->plan, work->chosen, how, signal_number, error);
+    const options *o = user;
+    return pl_metamorphic_run(o->chosen, how, signal_number, error);
 }
 
 static pl_status check(void *user, pl_error *error)
@@ -46,28 +31,10 @@ static pl_status check(void *user, pl_error *error)
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
-    o.request.out = "metamorphic";
-    pl_call_parse(call, &o);
-    pl_error error = {.message = ""};
-    pl_plan plan = {.repeats = 1};
-    chosen_work chosen = {.plan = &plan};
-    int code = PL_EXIT_OK;
-    pl_status status = choose_checks(&o, &chosen.chosen, &error);
-    if (status == PL_OK) {
-        status = pl_request_plan(call, &o.request, &plan, &error);
-    }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (pl_plan_size(&plan) == 0) {
-        code = pl_call_nothing(call, "there is nothing to compare");
-    } else {
-        const pl_study_work work = {
-            .study = &pl_metamorphic_study, .user = &chosen, .run = make_runs};
-        code = pl_study_command(call, &o.request, &work);
-    }
-    free(chosen.chosen);
-    pl_plan_free(&plan);
-    pl_request_free(&o.request);
+    const int code = pl_study_main(
+        call, &(pl_study_work){
+                  .study = &pl_metamorphic_study, .user = &o, .plan = make_plan, .run = make_runs});
+    free(o.chosen);
     free(o.checks.items);
     return code;
 }

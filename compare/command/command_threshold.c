@@ -26,47 +26,49 @@ static pl_status add_vary(void *user, const char *text, pl_error *error)
     return status;
 }
 
-/* An error with the names of those that have one. */
-static pl_status fail_without(const char *what, pl_error *error)
+/* An error that says how to choose a parameter of the scenario; NULL: of those of a suite. */
+static pl_status fail_without(const pl_scenario *scenario, pl_error *error)
 {
+    const bool is_file = scenario != NULL && scenario->file != NULL;
+    pl_text_buffer names = {0};
     int count;
-    char list[400] = "";
-    const pl_scenario *const *scenarios = pl_scenarios(&count);
+    const pl_scenario *const *all = pl_scenarios(&count);
+    count = is_file ? scenario->param_count - 2 : count; /* without dt and duration */
     for (int i = 0; i < count; ++i) {
-        size_t used = strlen(list);
-        if (scenarios[i]->threshold != NULL) {
-            snprintf(list + used, sizeof list - used, "%s%s", used == 0 ? "" : ", ",
-                     scenarios[i]->name);
+        if (is_file || all[i]->threshold != NULL) {
+            pl_text_format(&names, "%s%s", names.length == 0 ? "" : ", ",
+                           is_file ? scenario->params[i].name : all[i]->name);
         }
     }
-    return pl_fail(error, PL_BAD_INPUT,
-                   "%s has no threshold: choose a parameter by --vary NAME=LOW..HIGH; these have "
-                   "one: %s",
-                   what, list);
-}
-
-/* An error that names the parameters of a scene file. */
-static pl_status fail_without_parameter(const pl_scenario *file, pl_error *error)
-{
-    char list[400] = "";
-    const int own = file->param_count - 2; /* without dt and duration */
-    for (int i = 0; i < own; ++i) {
-        const size_t used = strlen(list);
-        snprintf(list + used, sizeof list - used, "%s%s", i == 0 ? "" : ", ", file->params[i].name);
+    char *list = pl_text_take(&names);
+    if (is_file && count == 0) {
+        pl_fail(error, PL_BAD_INPUT, "%s has no parameters: give \"parameters\" in the file",
+                scenario->name);
+    } else if (is_file) {
+        pl_fail(error, PL_BAD_INPUT, "%s: which parameter? --vary NAME=LOW..HIGH; the file has %s",
+                scenario->name, list);
+    } else {
+        pl_fail(error, PL_BAD_INPUT,
+                "%s has no threshold: choose a parameter by --vary NAME=LOW..HIGH; these have "
+                "one: %s",
+                scenario == NULL ? "the suite" : scenario->name, list);
     }
-    return own == 0 ? pl_fail(error, PL_BAD_INPUT,
-                              "%s has no parameters: give \"parameters\" in the file", file->name)
-                    : pl_fail(error, PL_BAD_INPUT,
-                              "%s: which parameter? --vary NAME=LOW..HIGH; the file has %s",
-                              file->name, list);
+    free(list);
+    return PL_BAD_INPUT;
 }
 
 /* ---- What is searched for ---- */
 
-/* Takes the range from --vary, else from the scenario's threshold, else from the parameter. */
-static pl_status find_range(const pl_scenario *scenario, const pl_param *param, const pl_vary *vary,
-                            pl_threshold *t, pl_error *error)
+static bool has(const pl_scenario *scenario, const pl_vary *vary)
 {
+    return pl_vary_is_of(vary, scenario->name) && pl_scenario_param(scenario, vary->key) >= 0;
+}
+
+/* Takes the range from --vary, else from the threshold, else from the parameter. */
+static pl_status find_range(const pl_scenario *scenario, const pl_vary *vary, pl_threshold *t,
+                            pl_error *error)
+{
+    const pl_param *param = &scenario->params[pl_scenario_param(scenario, vary->key)];
     const bool is_given = isfinite(vary->low);
     t->low = is_given ? vary->low : isfinite(t->low) ? t->low : param->min;
     t->high = is_given ? vary->high : isfinite(t->high) ? t->high : param->max;
@@ -84,53 +86,29 @@ static pl_status find_range(const pl_scenario *scenario, const pl_param *param, 
     return PL_OK;
 }
 
-static bool has(const pl_scenario *scenario, const pl_vary *vary)
-{
-    return pl_vary_is_of(vary, scenario->name) && pl_scenario_param(scenario, vary->key) >= 0;
-}
-
-/* The --vary of a parameter that the scenario has, in *found; NULL: there is none. */
-static pl_status find_varied(const options *o, const pl_scenario *scenario, const pl_vary **found,
-                             pl_error *error)
-{
-    *found = NULL;
-    for (int i = 0; i < o->varied_count; ++i) {
-        const pl_vary *vary = &o->varied[i];
-        if (has(scenario, vary) && *found != NULL) {
-            return pl_fail(error, PL_BAD_INPUT, "--vary %s: %s has %s, too; one is searched for",
-                           vary->key, scenario->name, (*found)->key);
-        }
-        *found = has(scenario, vary) ? vary : *found;
-    }
-    return PL_OK;
-}
-
 /* Sets what is searched for in a scenario; t->param stays NULL if there is nothing. */
 static pl_status aim_at(const options *o, const pl_scenario *scenario, pl_threshold *t,
                         pl_error *error)
 {
+    const pl_threshold *own = scenario->threshold;
     const pl_vary *vary = NULL;
-    pl_status status = find_varied(o, scenario, &vary, error);
-    *t = (pl_threshold){.param = NULL};
-    if (status != PL_OK) {
-        return status;
+    for (int i = 0; i < o->varied_count; ++i) {
+        if (has(scenario, &o->varied[i]) && vary != NULL) {
+            return pl_fail(error, PL_BAD_INPUT, "--vary %s: %s has %s, too; one is searched for",
+                           o->varied[i].key, scenario->name, vary->key);
+        }
+        vary = has(scenario, &o->varied[i]) ? &o->varied[i] : vary;
     }
-    if (vary == NULL && scenario->threshold != NULL) {
-        *t = *scenario->threshold;
-    }
-    if (vary != NULL) {
-        const pl_param *param = &scenario->params[pl_scenario_param(scenario, vary->key)];
-        const bool is_own =
-            scenario->threshold != NULL && strcmp(scenario->threshold->param, vary->key) == 0;
-        *t = is_own ? *scenario->threshold
-                    : (pl_threshold){.param = param->name,
-                                     .low = (double)NAN,
-                                     .high = (double)NAN,
-                                     .either_side = true};
-        status = find_range(scenario, param, vary, t, error);
-        t->tolerance = is_own ? t->tolerance : 1e-5 * (t->high - t->low);
-    }
-    t->tolerance = isnan(o->tolerance) ? t->tolerance : o->tolerance;
+    const bool is_own = own != NULL && (vary == NULL || strcmp(own->param, vary->key) == 0);
+    *t = is_own ? *own
+                : (pl_threshold){.param = vary == NULL ? NULL : vary->key,
+                                 .low = (double)NAN,
+                                 .high = (double)NAN,
+                                 .either_side = true};
+    const pl_status status = vary == NULL ? PL_OK : find_range(scenario, vary, t, error);
+    t->tolerance = !isnan(o->tolerance) ? o->tolerance
+                   : is_own             ? t->tolerance
+                                        : 1e-5 * (t->high - t->low);
     return status;
 }
 
@@ -141,13 +119,10 @@ static pl_status check_case(const pl_request *request, const pl_case *test_case,
                             const pl_threshold *t, pl_error *error)
 {
     const pl_scenario *scenario = test_case->descriptor;
-    bool is_named = false;
-    for (int i = 0; i < request->names.count; ++i) {
-        is_named = is_named || strcmp(request->names.items[i], test_case->name) == 0;
-    }
-    if (t->param == NULL && is_named) {
-        return scenario->file != NULL ? fail_without_parameter(scenario, error)
-                                      : fail_without(test_case->name, error);
+    for (int i = 0; i < request->names.count && t->param == NULL; ++i) {
+        if (strcmp(request->names.items[i], test_case->name) == 0) {
+            return fail_without(scenario, error);
+        }
     }
     if (scenario->file != NULL && isinf(test_case->scene.collapse_distance)) {
         return pl_fail(error, PL_BAD_INPUT,
@@ -166,99 +141,83 @@ static pl_status check_case(const pl_request *request, const pl_case *test_case,
     return PL_OK;
 }
 
-/* Every --vary must be of a parameter that some case has. */
-static pl_status check_varied(const options *o, const pl_plan *plan, pl_error *error)
+/* A --vary must be of a parameter that some case has. */
+static pl_status check_vary(const pl_vary *vary, const pl_plan *plan, pl_error *error)
 {
-    for (int i = 0; i < o->varied_count; ++i) {
-        const pl_vary *vary = &o->varied[i];
-        char hint[PL_SUGGESTION_SIZE] = "";
-        bool is_known = false;
-        for (int p = 0; p < plan->case_count && !is_known; ++p) {
-            const pl_scenario *scenario = plan->cases[p].descriptor;
-            const char *names[PL_MAX_PARAMS];
-            for (int k = 0; k < scenario->param_count; ++k) {
-                names[k] = scenario->params[k].name;
-            }
-            is_known = has(scenario, vary);
-            if (hint[0] == '\0') {
-                pl_did_you_mean(vary->key, names, scenario->param_count, hint);
-            }
+    char hint[PL_SUGGESTION_SIZE] = "";
+    for (int p = 0; p < plan->case_count; ++p) {
+        const pl_scenario *scenario = plan->cases[p].descriptor;
+        const char *names[PL_MAX_PARAMS];
+        for (int k = 0; k < scenario->param_count; ++k) {
+            names[k] = scenario->params[k].name;
         }
-        if (!is_known) {
-            return pl_fail(error, PL_BAD_INPUT,
-                           "--vary: no chosen scenario has the parameter %s%s%s%s", vary->owner,
-                           vary->owner[0] == '\0' ? "" : ".", vary->key, hint);
+        if (has(scenario, vary)) {
+            return PL_OK;
+        }
+        if (hint[0] == '\0') {
+            pl_did_you_mean(vary->key, names, scenario->param_count, hint);
         }
     }
-    return PL_OK;
+    return pl_fail(error, PL_BAD_INPUT, "--vary: no chosen scenario has the parameter %s%s%s%s",
+                   vary->owner, vary->owner[0] == '\0' ? "" : ".", vary->key, hint);
 }
 
-/* Gives each case what is searched for in it, and leaves out the cases that have nothing. */
+/* Gives each case that has something to search for its study. */
 static pl_status aim(const options *o, pl_plan *plan, pl_error *error)
 {
-    int kept = 0;
-    pl_status status = check_varied(o, plan, error);
+    bool any = false;
+    pl_status status = PL_OK;
+    for (int i = 0; i < o->varied_count && status == PL_OK; ++i) {
+        status = check_vary(&o->varied[i], plan, error);
+    }
     for (int i = 0; i < plan->case_count && status == PL_OK; ++i) {
-        pl_case this_case = plan->cases[i];
+        pl_case *test_case = &plan->cases[i];
         pl_threshold threshold;
-        status = aim_at(o, this_case.descriptor, &threshold, error);
+        status = aim_at(o, test_case->descriptor, &threshold, error);
         if (status == PL_OK) {
-            status = check_case(&o->request, &this_case, &threshold, error);
+            status = check_case(&o->request, test_case, &threshold, error);
         }
         if (status == PL_OK && threshold.param != NULL) {
-            this_case.study =
-                pl_threshold_study_of(this_case.descriptor, &threshold, this_case.params);
-            plan->cases[i] = plan->cases[kept];
-            plan->cases[kept++] = this_case;
+            any = true;
+            test_case->study =
+                pl_threshold_study_of(test_case->descriptor, &threshold, test_case->params);
         }
     }
-    while (status == PL_OK && plan->case_count > kept) {
-        pl_case *last = &plan->cases[--plan->case_count];
-        free(last->name);
-        pl_scene_free(&last->scene);
+    return status != PL_OK || any ? status : fail_without(NULL, error);
+}
+
+static pl_status make_plan(void *user, const pl_call *call, pl_plan *plan, pl_error *error)
+{
+    const options *o = user;
+    pl_status status = pl_request_add_cases(&o->request, plan, error);
+    if (status == PL_OK) {
+        status = aim(o, plan, error);
     }
-    return status != PL_OK || kept > 0 ? status : fail_without("the suite", error);
+    return status == PL_OK ? pl_request_add_engines(call, &o->request, plan, error) : status;
 }
 
 static pl_status make_runs(void *user, pl_execution_def *how, int *signal_number, pl_error *error)
 {
-    return pl_threshold_run(user, how, signal_number, error);
+    (void)user;
+    return pl_threshold_run(how, signal_number, error);
 }
 
 static pl_status check(void *user, pl_error *error)
 {
-    const options *o = user;
-    return pl_request_check(&o->request,
-                            "which scenario? plumb threshold SCENARIO|SCENE.json, or --suite NAME",
-                            NULL, error);
+    return pl_request_check(
+        user, "which scenario? plumb threshold SCENARIO|SCENE.json, or --suite NAME", NULL, error);
 }
 
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default(), .tolerance = (double)NAN};
-    o.request.out = "threshold";
-    pl_call_parse(call, &o);
-    pl_error error = {.message = ""};
-    pl_plan plan = {.repeats = 1};
-    int code = PL_EXIT_OK;
-    pl_status status = pl_request_add_cases(&o.request, &plan, &error);
-    if (status == PL_OK) {
-        status = aim(&o, &plan, &error);
-    }
-    if (status == PL_OK) {
-        status = pl_request_add_engines(call, &o.request, &plan, &error);
-    }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (plan.configuration_count == 0) {
-        code = pl_call_nothing(call, "there is no engine to search on");
-    } else {
-        const pl_study_work work = {.study = &pl_threshold_study, .user = &plan, .run = make_runs};
-        code = pl_study_command(call, &o.request, &work);
-    }
-    pl_plan_free(&plan);
+    const pl_study_work work = {.study = &pl_threshold_study,
+                                .user = &o,
+                                .plan = make_plan,
+                                .run = make_runs,
+                                .nothing = "there is no engine to search on"};
+    const int code = pl_study_main(call, &work);
     free(o.varied);
-    pl_request_free(&o.request);
     return code;
 }
 

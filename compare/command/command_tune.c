@@ -74,8 +74,12 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
 {
     work w = {{.plan = plan, .space = space, .targets = &o->targets, .budget = o->budget},
               pl_heap_format("%s/%s.profile.json", o->request.out, space->base.engine->name)};
-    const pl_study_work study = {&pl_tune_study, &w, make_runs, w.profile, finish};
-    const int code = pl_study_command(call, &o->request, &study);
+    const pl_study_work study = {.study = &pl_tune_study,
+                                 .user = &w,
+                                 .run = make_runs,
+                                 .output = w.profile,
+                                 .finish = finish};
+    const int code = pl_study_command(call, &o->request, &study, NULL);
     free(w.profile);
     return code;
 }

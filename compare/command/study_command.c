@@ -93,7 +93,8 @@ pl_status pl_study_deliver(const pl_request *request, const pl_study *study, con
     return status;
 }
 
-int pl_study_command(const pl_call *call, const pl_request *request, const pl_study_work *work)
+int pl_study_command(const pl_call *call, const pl_request *request, const pl_study_work *work,
+                     const pl_plan *plan)
 {
     pl_error error = {.message = ""};
     pl_store *store = NULL;
@@ -107,12 +108,14 @@ int pl_study_command(const pl_call *call, const pl_request *request, const pl_st
                                others, &store, &error);
     }
     if (status == PL_OK) {
-        pl_execution_def how = {.jobs = request->jobs,
+        pl_execution_def how = {.plan = plan,
+                                .jobs = request->jobs,
                                 .limits = request->limits,
                                 .provenance = provenance,
                                 .store = store,
                                 .progress = stderr};
-        status = work->run(work->user, &how, &signal_number, &error);
+        status = work->run == NULL ? pl_execute(&how, &signal_number, &error)
+                                   : work->run(work->user, &how, &signal_number, &error);
     }
     if (status == PL_OK && signal_number == 0) {
         char *path = pl_heap_format("%s/results.jsonl", request->out);
@@ -140,4 +143,27 @@ int pl_study_command(const pl_call *call, const pl_request *request, const pl_st
     free(file);
     code = pl_call_end_store(call, store, request->out, status, &error, signal_number, code);
     return status == PL_UNSUPPORTED ? PL_EXIT_NOTHING : code;
+}
+
+int pl_study_main(const pl_call *call, const pl_study_work *work)
+{
+    pl_request *request = work->user;
+    pl_error error = {.message = ""};
+    pl_plan plan = {.repeats = 1};
+    int code = PL_EXIT_OK;
+    request->out = work->study->name;
+    pl_call_parse(call, request);
+    const pl_status status = work->plan == NULL ? pl_request_plan(call, request, &plan, &error)
+                                                : work->plan(work->user, call, &plan, &error);
+    if (status != PL_OK) {
+        code = pl_call_fail(call, &error);
+    } else if (pl_plan_size(&plan) == 0) {
+        code = pl_call_nothing(call, work->nothing == NULL ? "there is nothing to compare"
+                                                           : work->nothing);
+    } else {
+        code = pl_study_command(call, request, work, &plan);
+    }
+    pl_plan_free(&plan);
+    pl_request_free(request);
+    return code;
 }

@@ -26,8 +26,32 @@ typedef struct pl_study {
     void (*document)(const json_t *conclusion, pl_document *document);
 } pl_study;
 
-/* The values of these keys (up to a NULL) of a result, as a text that tells results apart. The caller frees. */
-char *pl_study_key(const json_t *result, const char *const *keys);
+/* ---- What results and conclusions say ----
+ *
+ * A path is a key, or several with dots between them: "study.case". */
+
+/* The value at a path, borrowed; NULL: there is none. */
+json_t *pl_study_get(const json_t *object, const char *path);
+
+/* The number at a path; NAN: there is none. */
+double pl_study_number(const json_t *object, const char *path);
+
+/* The whole number at a path; 0: there is none. */
+int pl_study_integer(const json_t *object, const char *path);
+
+/* The text at a path, borrowed; "": there is none. */
+const char *pl_study_text(const json_t *object, const char *path);
+
+/* The values at these paths (up to a NULL), as a text that tells results apart. The caller frees. */
+char *pl_study_key(const json_t *result, const char *const *paths);
+
+/* The elements of an array by their pl_study_key, in the order of the first of each: an object of arrays, a new
+ * reference. */
+json_t *pl_study_groups(const json_t *items, const char *const *paths);
+
+/* A new object with what a result says of its scene, its engine and its settings: the keys that all runs of a search
+ * share, and the keys `more` (up to a NULL). */
+json_t *pl_study_row(const json_t *result, const char *const *more);
 
 /* "friction = 0.5, n = 60": parameters by name; "" for none. The caller frees. */
 char *pl_study_params(const json_t *params);

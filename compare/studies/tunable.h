@@ -1,5 +1,5 @@
-/* The options of an engine that are worth tuning, and settings written as a SPEC and in the
- * engine's own API, as its descriptor has them. */
+/* The settings of engines that studies try: the options that are worth tuning, where in their ranges experiments lie,
+ * and settings written as a SPEC and in the engine's own API, as its descriptor has them. */
 #ifndef PLUMB_TUNABLE_H
 #define PLUMB_TUNABLE_H
 
@@ -31,5 +31,18 @@ bool pl_tune_spec_fits(const pl_engine_choice *choice, const bool *varied);
 /* The settings as a program that uses the engine writes them, an array of lines: one for every option that
  * differs from its default and has `code`; then the step, dt in s. A new reference. */
 json_t *pl_tune_api(const pl_engine_choice *choice, double dt);
+
+/* An engine with its options, and the time step. */
+typedef struct pl_setting {
+    pl_engine_choice choice;
+    double dt; /* s; NAN: each scenario's own */
+} pl_setting;
+
+/* The place of a point, 0 <= point, along one dimension: between 0 and 1, the same on every machine. The points of a
+ * dimension are a van der Corput sequence whose digits are scrambled by the seed (Owen 1995, "Randomly permuted
+ * (t,m,s)-nets and (t,s)-sequences"): of the first 2^k points, and of each 2^k after them, one lies in each 2^k-th of
+ * the range, in an order that the seed gives. So the first 2^k points of several dimensions, each with a seed of its
+ * own, are a Latin hypercube, and how many points there will be need not be known. */
+double pl_design_place(uint64_t seed, int point);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "base/heap.h"
 
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,12 +27,26 @@ static pl_status fail_many(const char *text, pl_error *error)
     return pl_fail(error, PL_BAD_INPUT, "%s: more than %d values", text, (int)PL_VARY_MOST_VALUES);
 }
 
-static pl_status append(pl_vary *vary, double value, const char *text, pl_error *error)
+/* Appends a number, or a name where that is not NULL, unless `seen` has it. `part` is the text that it is of. */
+static pl_status append(pl_vary *vary, json_t *seen, double value, const char *name,
+                        const char *part, pl_error *error)
 {
-    if (vary->count >= PL_VARY_MOST_VALUES) {
-        return fail_many(text, error);
+    char number[32];
+    snprintf(number, sizeof number, "%.17g", value + 0.0); /* -0 is 0 */
+    const char *text = name == NULL ? number : name;
+    if (json_object_get(seen, text) != NULL) {
+        return PL_OK;
     }
-    pl_push(&vary->numbers, &vary->count, &value, sizeof value);
+    if (vary->count >= PL_VARY_MOST_VALUES) {
+        return fail_many(part, error);
+    }
+    json_object_set_new_nocheck(seen, text, json_true());
+    if (name == NULL) {
+        pl_push(&vary->numbers, &vary->count, &value, sizeof value);
+    } else {
+        char *copy = pl_heap_copy(name);
+        pl_push(&vary->names, &vary->count, &copy, sizeof copy);
+    }
     return PL_OK;
 }
 
@@ -61,33 +76,27 @@ static double rounded(const range *r, double value)
     return strtod(text, NULL);
 }
 
-static pl_status append_sums(const range *r, pl_vary *vary, pl_error *error)
+static pl_status append_range(const range *r, pl_vary *vary, json_t *seen, pl_error *error)
 {
-    const double steps = floor((r->last - r->first) / r->step + end_slack);
-    if (steps >= PL_VARY_MOST_VALUES) {
-        return fail_many(r->text, error);
-    }
+    const double slack = end_slack * (r->geometric ? (r->step - 1) * r->last : r->step);
+    double value = r->first, before = -HUGE_VAL;
     pl_status status = PL_OK;
-    for (int i = 0; i <= (int)steps && status == PL_OK; ++i) {
-        const double value = r->first + i * r->step;
-        const bool is_end = fabs(value - r->last) <= end_slack * r->step;
-        status = append(vary, is_end ? r->last : rounded(r, value), r->text, error);
-    }
-    return status;
-}
-
-static pl_status append_products(const range *r, pl_vary *vary, pl_error *error)
-{
-    const double slack = end_slack * (r->step - 1);
-    pl_status status = PL_OK;
-    for (double value = r->first; value <= r->last * (1 + slack) && status == PL_OK;
-         value *= r->step) {
-        const bool is_end = fabs(value - r->last) <= slack * r->last;
-        status = append(vary, is_end ? r->last : rounded(r, value), r->text, error);
-        if (value * r->step <= value) {
+    for (int i = 0; status == PL_OK; ++i) {
+        value = r->geometric ? value : r->first + i * r->step;
+        if (r->geometric ? value > r->last + slack : i * r->step > r->last - r->first + slack) {
+            break;
+        }
+        if (i == PL_VARY_MOST_VALUES) {
+            return fail_many(r->text, error);
+        }
+        if (r->geometric && value <= before) {
             return pl_fail(error, PL_BAD_INPUT, "%s is endless: the factor is too near to 1",
                            r->text);
         }
+        const bool is_end = fabs(value - r->last) <= slack;
+        status = append(vary, seen, is_end ? r->last : rounded(r, value), NULL, r->text, error);
+        before = value;
+        value *= r->step;
     }
     return status;
 }
@@ -95,31 +104,23 @@ static pl_status append_products(const range *r, pl_vary *vary, pl_error *error)
 /* Reads the text after the ':'; NULL: there is none. */
 static pl_status read_step(const char *step, range *r, pl_error *error)
 {
-    const char *text = r->text;
     r->step = 1;
     if (step == NULL) {
         return PL_OK;
     }
     if (step[0] != '+' && step[0] != 'x') {
         return pl_fail(error, PL_BAD_INPUT,
-                       "%s: after \":\" expected +STEP or xFACTOR, found \"%s\"", text, step);
+                       "%s: after \":\" expected +STEP or xFACTOR, found \"%s\"", r->text, step);
     }
     r->geometric = step[0] == 'x';
-    pl_status status = read_number(step + 1, strlen(step + 1), &r->step, error);
-    if (status != PL_OK) {
-        return status;
-    }
-    if (!r->geometric && !(r->step > 0)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s is endless: the step must be above 0", text);
-    }
-    if (r->geometric && !(r->step > 1)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s is endless: the factor must be above 1", text);
-    }
-    if (r->geometric && !(r->first > 0)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s is endless: times a factor it must begin above 0",
-                       text);
-    }
-    return PL_OK;
+    const pl_status status = read_number(step + 1, strlen(step + 1), &r->step, error);
+    const char *fault = !r->geometric && !(r->step > 0)   ? "the step must be above 0"
+                        : r->geometric && !(r->step > 1)  ? "the factor must be above 1"
+                        : r->geometric && !(r->first > 0) ? "times a factor it must begin above 0"
+                                                          : NULL;
+    return status != PL_OK || fault == NULL
+               ? status
+               : pl_fail(error, PL_BAD_INPUT, "%s is endless: %s", r->text, fault);
 }
 
 /* Reads "A..B", which ends at `end`. */
@@ -140,13 +141,13 @@ static pl_status read_ends(const char *end, bool may_be_equal, range *r, pl_erro
 }
 
 /* Appends the number, or the numbers of the range, that one text stands for. */
-static pl_status add_numbers(const char *text, pl_vary *vary, pl_error *error)
+static pl_status add_numbers(const char *text, pl_vary *vary, json_t *seen, pl_error *error)
 {
     const char *dots = strstr(text, "..");
     if (dots == NULL) {
         double value = 0;
         const pl_status status = read_number(text, strlen(text), &value, error);
-        return status == PL_OK ? append(vary, value, text, error) : status;
+        return status == PL_OK ? append(vary, seen, value, NULL, text, error) : status;
     }
     range r = {.text = text, .decimal = strchr(text, '/') == NULL};
     const char *colon = strchr(dots, ':');
@@ -154,84 +155,24 @@ static pl_status add_numbers(const char *text, pl_vary *vary, pl_error *error)
     if (status == PL_OK) {
         status = read_step(colon == NULL ? NULL : colon + 1, &r, error);
     }
-    return status != PL_OK ? status
-           : r.geometric   ? append_products(&r, vary, error)
-                           : append_sums(&r, vary, error);
+    return status == PL_OK ? append_range(&r, vary, seen, error) : status;
 }
 
-static void add_name(pl_vary *vary, const char *name)
-{
-    for (int i = 0; i < vary->count; ++i) {
-        if (strcmp(vary->names[i], name) == 0) {
-            return;
-        }
-    }
-    char *copy = pl_heap_copy(name);
-    pl_push(&vary->names, &vary->count, &copy, sizeof copy);
-}
-
-typedef struct placed {
-    double value;
-    int place;
-} placed;
-
-static int by_value(const void *left, const void *right)
-{
-    const placed *a = left, *b = right;
-    if (a->value != b->value) {
-        return a->value < b->value ? -1 : 1;
-    }
-    return (a->place > b->place) - (a->place < b->place);
-}
-
-static int by_place(const void *left, const void *right)
-{
-    const placed *a = left, *b = right;
-    return (a->place > b->place) - (a->place < b->place);
-}
-
-/* Keeps the first of equal numbers, in the order given. */
-static void drop_doubles(pl_vary *vary)
-{
-    placed *sorted = pl_heap_new((size_t)vary->count + 1, sizeof *sorted);
-    for (int i = 0; i < vary->count; ++i) {
-        sorted[i] = (placed){vary->numbers[i], i};
-    }
-    qsort(sorted, (size_t)vary->count, sizeof *sorted, by_value);
-    int kept = 0;
-    for (int i = 0; i < vary->count; ++i) {
-        if (i == 0 || sorted[i].value != sorted[kept - 1].value) {
-            sorted[kept++] = sorted[i];
-        }
-    }
-    qsort(sorted, (size_t)kept, sizeof *sorted, by_place);
-    for (int i = 0; i < kept; ++i) {
-        vary->numbers[i] = sorted[i].value;
-    }
-    vary->count = kept;
-    free(sorted);
-}
-
-/* Reads values separated by commas. */
+/* Reads values separated by commas; of equal ones the first counts. */
 static pl_status read_values(const char *text, pl_vary *vary, pl_error *error)
 {
     const bool are_names = strcmp(vary->key, PL_VARY_PROFILE) == 0;
     char *values = pl_heap_copy(text), *rest = values;
+    json_t *seen = json_object();
     pl_status status = PL_OK;
     while (status == PL_OK && rest != NULL) {
         const char *value = strsep(&rest, ",");
-        if (value[0] == '\0') {
-            status = pl_fail(error, PL_BAD_INPUT, "a value is missing");
-        } else if (are_names) {
-            add_name(vary, value);
-        } else {
-            status = add_numbers(value, vary, error);
-        }
+        status = value[0] == '\0' ? pl_fail(error, PL_BAD_INPUT, "a value is missing")
+                 : are_names      ? append(vary, seen, 0, value, value, error)
+                                  : add_numbers(value, vary, seen, error);
     }
+    json_decref(seen);
     free(values);
-    if (status == PL_OK && !are_names) {
-        drop_doubles(vary);
-    }
     return status;
 }
 
@@ -289,7 +230,10 @@ static pl_status read_rest(const char *rest, pl_vary_form form, pl_vary *vary, p
         return rest == NULL ? PL_OK : read_range(rest, vary, error);
     }
     const pl_status status = read_number(rest, strlen(rest), &value, error);
-    return status == PL_OK ? append(vary, value, rest, error) : status;
+    if (status == PL_OK) {
+        pl_push(&vary->numbers, &vary->count, &value, sizeof value);
+    }
+    return status;
 }
 
 pl_status pl_vary_parse(const char *text, pl_vary_form form, pl_vary *vary, pl_error *error)

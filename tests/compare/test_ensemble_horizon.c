@@ -65,7 +65,7 @@ static int prepare(void **state)
 static int clean(void **state)
 {
     fixture *f = *state;
-    pl_ensembles_free(&f->ensembles);
+    free(f->ensembles.items);
     pl_plan_free(&f->plan);
     remove_directory(f->folder);
     free(f);
@@ -76,12 +76,12 @@ static int clean(void **state)
 static void write_member(const fixture *f, int member, double speed, long steps)
 {
     const pl_ensemble *ensemble = &f->ensembles.items[0];
-    const pl_scene *scene = &f->plan.cases[ensemble->cases[member]].scene;
+    const pl_scene *scene = &f->plan.cases[pl_member_case(&f->ensembles, ensemble, member)].scene;
     pl_body_state states[8];
     pl_positions_writer writer;
     memset(states, 0, sizeof states);
     assert_true(scene->body_count <= 8);
-    json_t *runs = pl_member_runs(&f->plan, ensemble, 2);
+    json_t *runs = pl_member_runs(&f->plan, &f->ensembles, ensemble);
     char *path =
         pl_positions_path(f->folder, json_string_value(json_array_get(runs, (size_t)member)));
     json_decref(runs);
@@ -100,60 +100,71 @@ static void write_member(const fixture *f, int member, double speed, long steps)
     free(path);
 }
 
-static pl_horizon find(const fixture *f)
+/* The caller decrefs. */
+static json_t *find(const fixture *f)
 {
-    pl_horizon horizon;
     const pl_ensemble *ensemble = &f->ensembles.items[0];
-    json_t *runs = pl_member_runs(&f->plan, ensemble, 2);
-    pl_horizon_find(f->folder, runs, pl_scene_least_size(&f->plan.cases[ensemble->cases[0]].scene),
-                    &horizon);
+    json_t *runs = pl_member_runs(&f->plan, &f->ensembles, ensemble);
+    json_t *horizon = pl_horizon_find(f->folder, runs,
+                                      pl_scene_least_size(&f->plan.cases[ensemble->first].scene));
     json_decref(runs);
     return horizon;
 }
 
 /* The horizon of two members at these speeds along x, the second of which has `steps` steps. */
-static pl_horizon horizon_of_two(const fixture *f, double first, double second, long steps)
+static json_t *horizon_of_two(const fixture *f, double first, double second, long steps)
 {
     write_member(f, 0, first, 240);
     write_member(f, 1, second, steps);
     return find(f);
 }
 
+static double number(const json_t *horizon, const char *key)
+{
+    assert_true(json_is_number(json_object_get(horizon, key)));
+    return json_number_value(json_object_get(horizon, key));
+}
+
 static void test_horizon_is_at_a_hundredth_body_size(void **state)
 {
-    pl_horizon horizon = horizon_of_two(*state, 0, 0.04, 240);
-    assert_true(horizon.known);
-    assert_close(horizon.threshold, 0.01, 1e-15, 0);
+    json_t *horizon = horizon_of_two(*state, 0, 0.04, 240);
+    const double time = number(horizon, "time");
+    assert_close(number(horizon, "threshold"), 0.01, 1e-15, 0);
     /* Two members d apart spread by d / sqrt(2): 0.01 m at 0.354 s, but for the jitter of at most
      * 2e-4 m in each axis, which is 5 ms of flight along x and nothing across; seen at the next
      * sample. */
-    assert_close(horizon.time, 0.01 * sqrt(2) / 0.04 + 0.5 / 60, 5e-3 + 0.5 / 60, 0);
-    assert_close(horizon.time * 60, round(horizon.time * 60), 1e-9, 0);
-    assert_close(horizon.last_time, 1, 1e-12, 0);
-    assert_close(horizon.last_spread, 0.04 / sqrt(2), 2e-4, 0);
+    assert_close(time, 0.01 * sqrt(2) / 0.04 + 0.5 / 60, 5e-3 + 0.5 / 60, 0);
+    assert_close(time * 60, round(time * 60), 1e-9, 0);
+    assert_close(number(horizon, "last_time"), 1, 1e-12, 0);
+    assert_close(number(horizon, "last_spread"), 0.04 / sqrt(2), 2e-4, 0);
+    json_decref(horizon);
 }
 
 static void test_members_that_stay_together_have_no_horizon(void **state)
 {
-    pl_horizon horizon = horizon_of_two(*state, 3, 3, 240);
-    assert_true(horizon.known && isinf(horizon.time));
-    assert_at_most(horizon.last_spread, 1e-4 * sqrt(6));
+    json_t *horizon = horizon_of_two(*state, 3, 3, 240);
+    assert_true(json_is_null(json_object_get(horizon, "time")));
+    assert_at_most(number(horizon, "last_spread"), 1e-4 * sqrt(6));
+    json_decref(horizon);
 }
 
 static void test_a_member_that_ended_early_ends_the_search(void **state)
 {
-    pl_horizon horizon = horizon_of_two(*state, 0, 0.04, 60);
-    assert_true(horizon.known && isinf(horizon.time));
-    assert_close(horizon.last_time, 0.25, 1e-12, 0);
+    json_t *horizon = horizon_of_two(*state, 0, 0.04, 60);
+    assert_true(json_is_null(json_object_get(horizon, "time")));
+    assert_contains(json_string_value(json_object_get(horizon, "reason")), "within 0.25 s");
+    assert_close(number(horizon, "last_time"), 0.25, 1e-12, 0);
+    json_decref(horizon);
 }
 
 static void test_without_every_trajectory_nothing_is_known(void **state)
 {
     const fixture *f = *state;
     write_member(f, 1, 0, 240);
-    pl_horizon horizon = find(f);
-    assert_false(horizon.known);
-    assert_contains(horizon.reason, "1 of 2 members");
+    json_t *horizon = find(f);
+    assert_null(json_object_get(horizon, "threshold"));
+    assert_contains(json_string_value(json_object_get(horizon, "reason")), "1 of 2 members");
+    json_decref(horizon);
 }
 
 int main(void)

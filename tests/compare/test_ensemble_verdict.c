@@ -8,7 +8,7 @@
 enum { MOST = 8 };
 
 /* Two engines on one case of which one observable is known. */
-static pl_sample_test judge(const double *a, int count_a, const double *b, int count_b)
+static json_t *judge(const double *a, int count_a, const double *b, int count_b)
 {
     double values[2][MOST];
     pl_ensemble_view views[2] = {{.ensemble = {.configuration = 0}},
@@ -17,11 +17,16 @@ static pl_sample_test judge(const double *a, int count_a, const double *b, int c
     memcpy(values[1], b, (size_t)count_b * sizeof *b);
     views[0].observed.samples[0] = (pl_sample){.values = values[0], .count = count_a};
     views[1].observed.samples[0] = (pl_sample){.values = values[1], .count = count_b};
-    pl_verdicts verdicts = pl_verdicts_reach(views, 2);
-    assert_int_equal(verdicts.count, 1);
-    pl_sample_test found = verdicts.items[0];
-    pl_verdicts_free(&verdicts);
+    json_t *verdicts = pl_verdicts_reach(views, 2);
+    assert_int_equal(json_array_size(verdicts), 1);
+    json_t *found = json_incref(json_array_get(verdicts, 0));
+    json_decref(verdicts);
     return found;
+}
+
+static double number(const json_t *found, const char *key)
+{
+    return json_number_value(json_object_get(found, key));
 }
 
 /* Of the ways to deal evenly spaced values, two are as far apart as the lowest and the rest: those
@@ -30,11 +35,13 @@ static void test_apart_begins_below_five_percent(void **state)
 {
     (void)state;
     const double all[] = {1, 2, 3, 4, 5, 6, 7, 8};
-    const pl_sample_test even = judge(all, 4, all + 4, 4), few = judge(all, 3, all + 3, 4);
-    assert_close(even.corrected, 2.0 / 70, 1e-15, 0);
-    assert_true(even.apart);
-    assert_close(few.corrected, 2.0 / 35, 1e-15, 0);
-    assert_false(few.apart);
+    json_t *even = judge(all, 4, all + 4, 4), *few = judge(all, 3, all + 3, 4);
+    assert_close(number(even, "p_corrected"), 2.0 / 70, 1e-15, 0);
+    assert_string_equal(json_string_value(json_object_get(even, "verdict")), "told apart");
+    assert_close(number(few, "p_corrected"), 2.0 / 35, 1e-15, 0);
+    assert_string_equal(json_string_value(json_object_get(few, "verdict")), "not told apart");
+    json_decref(even);
+    json_decref(few);
 }
 
 static void test_noise_is_that_of_the_noisier_ensemble(void **state)
@@ -43,10 +50,10 @@ static void test_noise_is_that_of_the_noisier_ensemble(void **state)
     const double still[] = {0, 0, 0, 0, 0, 0, 0, 1e-3}, wide[] = {0, 9, 2, 7, 1, 8, 3, 5};
     const pl_noise noise = pl_split_half_noise(wide, MOST, MOST, MOST);
     for (int order = 0; order < 2; ++order) {
-        const pl_sample_test found =
-            judge(order == 0 ? still : wide, MOST, order == 0 ? wide : still, MOST);
-        assert_close(found.energy_floor, noise.energy, 0, 1e-15);
-        assert_true(found.ks_floor >= noise.ks);
+        json_t *found = judge(order == 0 ? still : wide, MOST, order == 0 ? wide : still, MOST);
+        assert_close(number(found, "energy_distance_floor"), noise.energy, 0, 1e-15);
+        assert_true(number(found, "ks_floor") >= noise.ks);
+        json_decref(found);
     }
 }
 
@@ -72,10 +79,10 @@ static void test_planned_comparisons_are_those_made(void **state)
         }
     }
     const pl_ensembles all = {.items = items, .count = COUNT, .members = 8};
-    pl_verdicts verdicts = pl_verdicts_reach(views, COUNT);
-    assert_int_equal(pl_verdicts_planned(&all), verdicts.count);
-    assert_int_equal(verdicts.count, 2 * (15 + 3) * pl_observable_count());
-    pl_verdicts_free(&verdicts);
+    json_t *verdicts = pl_verdicts_reach(views, COUNT);
+    assert_int_equal(pl_verdicts_planned(&all), json_array_size(verdicts));
+    assert_int_equal(json_array_size(verdicts), 2 * (15 + 3) * pl_observable_count());
+    json_decref(verdicts);
 }
 
 static void test_too_few_members_are_refused(void **state)

@@ -155,20 +155,23 @@ static void test_progress_and_tables_use_separate_streams(void **state)
 
 enum { STEPS = 20 };
 
-/* One ball that moves along x, and at step `from` is displaced by `off` along y. */
-static void write_frames(pl_trajectory *trajectory, int frames, int from, double off, double turn)
+/* One ball that moves along x, and in the steps from `from` to `until` is displaced by `off` along y. */
+static void write_frames(pl_trajectory *trajectory, int frames, int from, int until, double off,
+                         double turn)
 {
     pl_error error = {.message = ""};
     assert_int_equal(pl_trajectory_open(trajectory, &error), PL_OK);
     fprintf(trajectory->file, "time,body,...\n");
     for (int i = 0; i < frames; ++i) {
-        double y = i >= from ? off : 0, w = i >= from ? turn / 2 : 0;
+        const bool is_off = i >= from && i <= until;
+        double y = is_off ? off : 0, w = is_off ? turn / 2 : 0;
         fprintf(trajectory->file, "%.17g,\"a \"\"ball\"\", 1\",%.17g,%.17g,0", 0.1 * i, 0.3 * i, y);
         fprintf(trajectory->file, ",%.17g,%.17g,0,0,3,0,0,0,0,0\n", cos(w), sin(w));
     }
 }
 
-static pl_status compare(int frames, int from, double off, double turn, pl_agreement *agreement)
+/* The caller decrefs. */
+static json_t *compare(int frames, int from, int until, double off, double turn)
 {
     pl_error error = {.message = ""};
     pl_body ball = pl_body_default();
@@ -179,19 +182,19 @@ static pl_status compare(int frames, int from, double off, double turn, pl_agree
     scene.dt = 0.1;
     scene.duration = 0.1 * STEPS;
     assert_int_equal(pl_scene_add_body(&scene, &ball, NULL, &error), PL_OK);
-    write_frames(&plain, STEPS + 1, 0, 0, 0);
-    write_frames(&other, frames, from, off, turn);
+    write_frames(&plain, STEPS + 1, 0, STEPS, 0, 0);
+    write_frames(&other, frames, from, until, off, turn);
     const pl_trajectory_pair comparison = {.scene = &scene,
                                            .transform = &same,
                                            .size = 2,
                                            .plain = &plain,
                                            .other = &other,
                                            .other_body_count = 1};
-    pl_status status = pl_compare_trajectories(&comparison, agreement, &error);
+    json_t *agreement = pl_agreement_of(&comparison);
     pl_trajectory_close(&plain);
     pl_trajectory_close(&other);
     pl_scene_free(&scene);
-    return status;
+    return agreement;
 }
 
 static void test_differences_are_graded_at_two_times(void **state)
@@ -200,47 +203,54 @@ static void test_differences_are_graded_at_two_times(void **state)
     static const struct {
         int from;
         double off, turn;
-        pl_grade early, end;
+        const char *early, *end;
         double passes_at;
     } cases[] = {
-        {0, 0, 0, PL_GRADE_BITWISE, PL_GRADE_BITWISE, (double)NAN},
-        {0, 1.9e-9, 0, PL_GRADE_EXACT, PL_GRADE_EXACT, (double)NAN},
-        {3, 1.9e-9, 0, PL_GRADE_BITWISE, PL_GRADE_EXACT, (double)NAN},
-        {2, 2.1e-9, 0, PL_GRADE_CLOSE, PL_GRADE_CLOSE, (double)NAN},
-        {4, 1.9e-6, 0, PL_GRADE_BITWISE, PL_GRADE_CLOSE, (double)NAN},
-        {4, 2.1e-6, 0, PL_GRADE_BITWISE, PL_GRADE_CLOSE, 0.4},
-        {7, 1.9e-3, 0, PL_GRADE_BITWISE, PL_GRADE_CLOSE, 0.7},
-        {20, 2.1e-3, 0, PL_GRADE_BITWISE, PL_GRADE_DIFFERS, 2},
-        {5, 0, 0.9e-9, PL_GRADE_BITWISE, PL_GRADE_EXACT, (double)NAN},
-        {5, 0, 1.1e-9, PL_GRADE_BITWISE, PL_GRADE_CLOSE, (double)NAN},
-        {0, 0, 1.1e-3, PL_GRADE_DIFFERS, PL_GRADE_DIFFERS, (double)NAN},
+        {0, 0, 0, "bitwise", "bitwise", (double)NAN},
+        {0, 1.9e-9, 0, "exact", "exact", (double)NAN},
+        {3, 1.9e-9, 0, "bitwise", "exact", (double)NAN},
+        {2, 2.1e-9, 0, "close", "close", (double)NAN},
+        {4, 1.9e-6, 0, "bitwise", "close", (double)NAN},
+        {4, 2.1e-6, 0, "bitwise", "close", 0.4},
+        {7, 1.9e-3, 0, "bitwise", "close", 0.7},
+        {20, 2.1e-3, 0, "bitwise", "differs", 2},
+        {5, 0, 0.9e-9, "bitwise", "exact", (double)NAN},
+        {5, 0, 1.1e-9, "bitwise", "close", (double)NAN},
+        {0, 0, 1.1e-3, "differs", "differs", (double)NAN},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        pl_agreement a;
-        assert_int_equal(compare(STEPS + 1, cases[i].from, cases[i].off, cases[i].turn, &a), PL_OK);
-        assert_int_equal(pl_difference_grade(&a.early), cases[i].early);
-        assert_int_equal(pl_difference_grade(&a.end), cases[i].end);
-        assert_close(a.end.position, cases[i].off / 2, 1e-18, 0);
-        assert_close(a.end.rotation, cases[i].turn, 1e-15, 0);
-        assert_int_equal(isnan(a.passes_at), isnan(cases[i].passes_at));
-        if (!isnan(a.passes_at)) {
-            assert_close(a.passes_at, cases[i].passes_at, 1e-12, 0);
+        json_t *a = compare(STEPS + 1, cases[i].from, STEPS, cases[i].off, cases[i].turn);
+        const json_t *end = json_object_get(a, "end"), *passes_at = json_object_get(a, "passes_at");
+        assert_string_equal(result_text(json_object_get(a, "early"), "verdict"), cases[i].early);
+        assert_string_equal(result_text(end, "verdict"), cases[i].end);
+        assert_close(json_number_value(json_object_get(end, "position")), cases[i].off / 2, 1e-18,
+                     0);
+        assert_close(json_number_value(json_object_get(end, "rotation")), cases[i].turn, 1e-15, 0);
+        assert_int_equal(json_is_null(passes_at), isnan(cases[i].passes_at));
+        if (!json_is_null(passes_at)) {
+            assert_close(json_number_value(passes_at), cases[i].passes_at, 1e-12, 0);
         }
+        json_decref(a);
     }
 }
 
 static void test_a_detour_that_comes_back_is_not_bitwise(void **state)
 {
     (void)state;
-    pl_difference d = {.position = 0, .rotation = 0, .same = false};
-    assert_int_equal(pl_difference_grade(&d), PL_GRADE_EXACT);
+    json_t *a = compare(STEPS + 1, 5, 6, 1, 0);
+    const json_t *end = json_object_get(a, "end");
+    assert_string_equal(result_text(end, "verdict"), "exact");
+    assert_close(json_number_value(json_object_get(end, "position")), 0, 0, 0);
+    json_decref(a);
 }
 
 static void test_too_few_frames_are_no_agreement(void **state)
 {
     (void)state;
-    pl_agreement a;
-    assert_int_equal(compare(STEPS, 0, 0, 0, &a), PL_FAILED);
+    json_t *a = compare(STEPS, 0, STEPS, 0, 0);
+    assert_string_equal(result_text(a, "reason"), "20 of 21 frames to compare");
+    assert_int_equal(json_object_size(a), 1);
+    json_decref(a);
 }
 
 int main(void)

@@ -37,7 +37,7 @@ static void check_states_come_back(const pl_check *check, const pl_transform *tr
     for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         const int index = pl_transform_index(transform, i, scene->body_count);
-        const pl_body_state there = start_of(&other.bodies[index]);
+        const pl_body_state there = pl_body_start(&other.bodies[index]);
         pl_body_state back;
         assert_string_equal(other.bodies[index].name, body->name);
         if (body->shape.kind != PL_SHAPE_PLANE) {
@@ -76,20 +76,11 @@ static void test_transformed_scenes_are_valid_with_equal_steps(void **state)
 }
 
 /* The inverse of a check's transform, which must be of a single kind. */
-static pl_transform inverse(const pl_check *check)
+static pl_transform inverse(const pl_check *check, const pl_scene *scene)
 {
-    switch (check->kind) {
-    case PL_CHECK_ROTATE:
-        return pl_transform_rotation(check->axis, -(int)check->amount);
-    case PL_CHECK_SHIFT:
-        return pl_transform_shift(-check->amount, 0, 0);
-    case PL_CHECK_SCALE:
-        return pl_transform_scaling(1 / check->amount);
-    case PL_CHECK_MIRROR:
-        return pl_transform_mirror();
-    default:
-        return pl_transform_identity();
-    }
+    pl_check undo = *check;
+    undo.amount = check->kind == PL_CHECK_SCALE ? 1 / check->amount : -check->amount;
+    return transform_of(&undo, scene);
 }
 
 static void check_same_body(const pl_body *a, const pl_body *b, double far, bool exactly)
@@ -124,7 +115,7 @@ static void check_there_and_back(const pl_check *check, const pl_transform *tran
     if (transform->order != PL_ORDER_SAME || transform->has_copy) {
         return;
     }
-    const pl_transform undo = inverse(check);
+    const pl_transform undo = inverse(check, scene);
     const double far = pl_vec_length(pl_vec_of(transform->shift));
     pl_scene there = transformed(transform, scene);
     pl_scene back = transformed(&undo, &there);

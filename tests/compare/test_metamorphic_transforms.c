@@ -204,7 +204,8 @@ static void test_translated_plane_keeps_its_distance_from_bodies(void **state)
 {
     (void)state;
     pl_scene was = crooked_scene();
-    const pl_transform t = pl_transform_shift(1000, 0, 0);
+    pl_transform t = pl_transform_identity();
+    t.shift[0] = 1000;
     pl_scene is = transformed(&t, &was);
     for (int i = 1; i < was.body_count; ++i) {
         const pl_shape *a = &was.bodies[0].shape, *b = &is.bodies[0].shape;
@@ -223,7 +224,7 @@ static void test_every_order_is_a_permutation(void **state)
     (void)state;
     const pl_body_order orders[] = {PL_ORDER_SAME, PL_ORDER_REVERSED, PL_ORDER_SHUFFLED};
     for (int k = 0; k < 3; ++k) {
-        const pl_transform t = pl_transform_order(orders[k]);
+        const pl_transform t = {.order = orders[k]};
         for (int n = 1; n <= 60; ++n) {
             bool seen[60] = {false};
             for (int i = 0; i < n; ++i) {
@@ -240,10 +241,11 @@ static void test_every_order_is_a_permutation(void **state)
 static void test_far_copy_is_on_the_same_planes(void **state)
 {
     (void)state;
-    double offset[3];
     pl_scene was = crooked_scene();
-    assert_true(pl_far_offset(&was, 1e4, offset));
-    const pl_transform t = pl_transform_copy(offset);
+    pl_transform t = pl_transform_identity();
+    const double *offset = t.copy_offset;
+    t.has_copy = pl_far_offset(&was, 1e4, t.copy_offset);
+    assert_true(t.has_copy);
     pl_scene is = transformed(&t, &was);
     assert_int_equal(is.body_count, 2 * was.body_count - 1);
     assert_int_equal(is.force_count, 2 * was.force_count);
@@ -291,7 +293,7 @@ static void test_a_restart_goes_on_with_states_and_forces(void **state)
     pl_body_state states[5];
     was.duration = 4;
     for (int i = 0; i < 5; ++i) {
-        states[i] = start_of(&was.bodies[i]);
+        states[i] = pl_body_start(&was.bodies[i]);
         states[i].position[1] += 3;
     }
     was.forces[0].until = 1;

@@ -3,8 +3,6 @@
 #include "check.h"
 #include "plumb/vec.h"
 
-#include <string.h>
-
 pl_scene transformed(const pl_transform *transform, const pl_scene *from)
 {
     pl_scene to;
@@ -23,16 +21,6 @@ pl_transform transform_of(const pl_check *check, const pl_scene *scene)
         transform = pl_transform_identity();
     }
     return transform;
-}
-
-pl_body_state start_of(const pl_body *body)
-{
-    pl_body_state state;
-    memcpy(state.position, body->position, sizeof state.position);
-    memcpy(state.orientation, body->orientation, sizeof state.orientation);
-    memcpy(state.velocity, body->velocity, sizeof state.velocity);
-    memcpy(state.angular_velocity, body->angular_velocity, sizeof state.angular_velocity);
-    return state;
 }
 
 void assert_vectors(const double actual[3], const double expected[3], double absolute,

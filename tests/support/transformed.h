@@ -10,9 +10,6 @@ pl_scene transformed(const pl_transform *transform, const pl_scene *from);
 /* The check's transform, or the identity where it does not apply. */
 pl_transform transform_of(const pl_check *check, const pl_scene *scene);
 
-/* The state that a body begins in. */
-pl_body_state start_of(const pl_body *body);
-
 /* Every component to absolute + relative |expected|. */
 void assert_vectors(const double actual[3], const double expected[3], double absolute,
                     double relative);

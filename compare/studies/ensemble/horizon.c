@@ -2,6 +2,7 @@
 #include "horizon.h"
 
 #include "base/heap.h"
+#include "results/result.h"
 #include "runner/positions.h"
 
 #include <math.h>
@@ -13,7 +14,6 @@ static const double share_of_size = 0.01;
 /* One member's open trajectory. */
 typedef struct track {
     pl_positions_reader reader;
-    double *moved; /* (3 x bodies): the displacement from the start, as read */
     double *place; /* (3 x bodies) */
 } track;
 
@@ -43,9 +43,7 @@ static bool open_track(const char *folder, const char *run, track *t)
 {
     char *path = pl_heap_format("%s/%s.positions", folder, run);
     const bool is_open = pl_positions_open(path, &t->reader);
-    const size_t count = 3 * (size_t)t->reader.bodies;
-    t->moved = pl_heap_new(count, sizeof *t->moved);
-    t->place = pl_heap_new(count, sizeof *t->place);
+    t->place = pl_heap_new(3 * (size_t)t->reader.bodies, sizeof *t->place);
     free(path);
     return is_open;
 }
@@ -53,51 +51,59 @@ static bool open_track(const char *folder, const char *run, track *t)
 static void close_track(track *t)
 {
     pl_positions_close(&t->reader);
-    free(t->moved);
     free(t->place);
 }
 
 static bool read_sample(track *t)
 {
-    if (!pl_positions_read(&t->reader, t->moved)) {
-        return false;
+    const bool is_read = pl_positions_read(&t->reader, t->place);
+    for (int i = 0; i < 3 * t->reader.bodies && is_read; ++i) {
+        t->place[i] = t->reader.start[i] + t->place[i];
     }
-    for (int i = 0; i < 3 * t->reader.bodies; ++i) {
-        t->place[i] = t->reader.start[i] + t->moved[i];
-    }
-    return true;
+    return is_read;
 }
 
-/* Reads all tracks in step, to the end of the shortest. */
-static void follow(track *tracks, int members, pl_horizon *horizon)
+/* Reads all tracks in step, to the end of the shortest; NULL: there is no frame that all have. */
+static json_t *follow(track *tracks, int members, double threshold)
 {
     const pl_positions_reader *first = &tracks[0].reader;
     const double **places = pl_heap_new((size_t)members, sizeof *places);
-    horizon->time = (double)INFINITY;
-    for (long sample = 0;; ++sample) {
-        for (int k = 0; k < members; ++k) {
-            if (!read_sample(&tracks[k])) {
-                free(places);
-                return;
-            }
-            places[k] = tracks[k].place;
+    double time = (double)NAN, last_time = 0, spread = 0;
+    long sample = 0;
+    for (;; ++sample) {
+        int read = 0;
+        while (read < members && read_sample(&tracks[read])) {
+            places[read] = tracks[read].place;
+            ++read;
         }
-        horizon->known = true;
-        horizon->last_time = (double)sample * first->interval;
-        horizon->last_spread = pl_ensemble_spread(places, members, first->bodies);
-        if (isinf(horizon->time) && !(horizon->last_spread <= horizon->threshold)) {
-            horizon->time = horizon->last_time;
+        if (read < members) {
+            break;
+        }
+        last_time = (double)sample * first->interval;
+        spread = pl_ensemble_spread(places, members, first->bodies);
+        if (isnan(time) && !(spread <= threshold)) {
+            time = last_time;
         }
     }
+    free(places);
+    json_t *horizon = sample == 0
+                          ? NULL
+                          : json_pack("{s:o, s:f, s:o, s:f}", "time", pl_json_number_or_null(time),
+                                      "threshold", threshold, "last_spread",
+                                      pl_json_number_or_null(spread), "last_time", last_time);
+    if (sample > 0 && isnan(time)) {
+        json_object_set_new(horizon, "reason", json_sprintf("not passed within %.6g s", last_time));
+    }
+    return horizon;
 }
 
-void pl_horizon_find(const char *folder, const json_t *runs, double least_size, pl_horizon *horizon)
+json_t *pl_horizon_find(const char *folder, const json_t *runs, double least_size)
 {
     const int members = (int)json_array_size(runs);
     track *tracks = pl_heap_new((size_t)members, sizeof *tracks);
     const track *first = NULL;
+    json_t *horizon = NULL;
     int open = 0;
-    *horizon = (pl_horizon){.threshold = share_of_size * least_size};
     for (int k = 0; k < members; ++k) {
         const char *run = json_string_value(json_array_get(runs, (size_t)k));
         if (open_track(folder, run, &tracks[k])) {
@@ -107,15 +113,17 @@ void pl_horizon_find(const char *folder, const json_t *runs, double least_size, 
         }
     }
     if (open == members && members > 1) {
-        follow(tracks, members, horizon);
-    }
-    if (!horizon->known) {
-        snprintf(horizon->reason, sizeof horizon->reason,
-                 "%d of %d members left a trajectory, and of some there is no frame", open,
-                 members);
+        horizon = follow(tracks, members, share_of_size * least_size);
     }
     for (int k = 0; k < members; ++k) {
         close_track(&tracks[k]);
     }
     free(tracks);
+    return horizon != NULL
+               ? horizon
+               : json_pack(
+                     "{s:n, s:o}", "time", "reason",
+                     json_sprintf("%d of %d members left a trajectory, and of some there is no "
+                                  "frame",
+                                  open, members));
 }

@@ -9,22 +9,12 @@
 #define PLUMB_HORIZON_H
 
 #include <jansson.h>
-#include <stdbool.h>
 
-/* The prediction horizon of one ensemble, or the reason why it is unknown. */
-typedef struct pl_horizon {
-    bool known; /* false: `reason` says why, and the other fields are undefined */
-    char reason[160];
-    double time;        /* s; INFINITY: not passed within the time that all members have */
-    double threshold;   /* m: 1 % of the smallest body's size */
-    double last_spread; /* m, at the last sample */
-    double last_time;   /* s, of that sample */
-} pl_horizon;
-
-/* Computes the horizon from the trajectories in `folder` of all members, whose runs an array of texts names.
- * `least_size` is that of the smallest body, m. */
-void pl_horizon_find(const char *folder, const json_t *runs, double least_size,
-                     pl_horizon *horizon);
+/* The horizon by the trajectories in `folder` of all members, whose runs an array of texts names; `least_size` is that of
+ * the smallest body, m. A new object as in plumb.ensemble/1: "time" in s, null with a "reason" where the members stayed
+ * together as long as all have a trajectory, or where the horizon is unknown; unless it is unknown also "threshold" in m, 1 % of that size,
+ * and of the last sample "last_time" in s and "last_spread" in m. */
+json_t *pl_horizon_find(const char *folder, const json_t *runs, double least_size);
 
 /* The spread of `bodies` bodies over `members` samples of 3 x bodies coordinates, m. */
 double pl_ensemble_spread(const double *const *members, int member_count, int bodies);

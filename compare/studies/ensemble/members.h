@@ -15,7 +15,7 @@ typedef struct pl_ensemble {
     int setting;       /* 0: as asked; k: with the k-th other setting */
     bool reference;    /* with the finer time step */
     int configuration; /* index into the plan's */
-    int *cases;        /* (members): index into the plan's, by member; NULL in a conclusion */
+    int first;         /* index into the plan's cases of its member 0 */
 } pl_ensemble;
 
 /* The ensembles of a study, which all have the same number of members. */
@@ -23,7 +23,7 @@ typedef struct pl_ensembles {
     pl_ensemble *items; /* (count) */
     int count;
     int members;
-    int case_count;
+    int case_count; /* of those asked for: the plan has them together for each member */
 } pl_ensembles;
 
 /* What pl_members_plan makes ensembles of. */
@@ -36,16 +36,17 @@ typedef struct pl_members_def {
     pl_status (*add)(void *user, int setting, pl_plan *plan, pl_error *error);
 } pl_members_def;
 
-/* Adds the cases and the runs to a plan that has its engines. Members of other settings have
+/* Adds the cases and the runs to a plan that has its engines and no cases. Members of other settings have
  * numbers of their own, so that no jitter is used twice on an engine. PL_BAD_INPUT: a scene in
- * which nothing can move. The caller frees *ensembles in any case. */
+ * which nothing can move. The caller frees ensembles->items in any case. */
 pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles *ensembles,
                           pl_error *error);
 
-/* Frees the ensembles with their cases. */
-void pl_ensembles_free(pl_ensembles *ensembles);
+/* The index into the plan's cases of a member of an ensemble. */
+int pl_member_case(const pl_ensembles *ensembles, const pl_ensemble *ensemble, int member);
 
 /* The hashes by which results know the members' runs, an array of texts. */
-json_t *pl_member_runs(const pl_plan *plan, const pl_ensemble *ensemble, int members);
+json_t *pl_member_runs(const pl_plan *plan, const pl_ensembles *ensembles,
+                       const pl_ensemble *ensemble);
 
 #endif

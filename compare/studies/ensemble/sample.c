@@ -3,6 +3,7 @@
 
 #include "base/heap.h"
 #include "plumb/vec.h"
+#include "studies/study.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -38,37 +39,21 @@ static void summarise(pl_sample *sample)
     sample->deviation = sample->count > 1 ? sqrt(square / (sample->count - 1)) : (double)NAN;
 }
 
-static pl_outcome outcome_of(const json_t *result)
-{
-    const char *name = pl_json_get_text(result, "outcome");
-    pl_outcome outcome = PL_OUTCOME_OK;
-    for (int i = 0; i < PL_OUTCOME_COUNT; ++i) {
-        if (strcmp(name, pl_outcome_name((pl_outcome)i)) == 0) {
-            outcome = (pl_outcome)i;
-        }
-    }
-    return outcome;
-}
-
 /* NAN where the result has no such number. */
 static double value_of(const json_t *result, pl_metric_id id)
 {
     return pl_result_metric(result, pl_metric_table[id].name);
 }
 
-static bool has_metric(const json_t *result, pl_metric_id id)
-{
-    return json_object_get(json_object_get(result, "metrics"), pl_metric_table[id].name) != NULL;
-}
-
 /* Adds the values of a run that finished. */
-static void add_values(pl_observations *observed, const json_t *result, double duration)
+static void add_values(pl_observations *observed, const json_t *result)
 {
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         pl_sample *sample = &observed->samples[i];
         double value = pl_is_observable(i) ? value_of(result, (pl_metric_id)i) : (double)NAN;
-        if (i == PL_METRIC_SETTLE_TIME && isnan(value) && has_metric(result, i)) {
-            value = duration;
+        if (i == PL_METRIC_SETTLE_TIME && isnan(value) &&
+            pl_study_get(result, "metrics.settle_time") != NULL) {
+            value = pl_study_number(result, "settings.duration");
             sample->unsettled += 1;
         }
         if (!isnan(value)) {
@@ -81,11 +66,11 @@ bool pl_fell_through(const pl_scene *scene, const json_t *result)
 {
     const json_t *poses = json_object_get(result, "final_poses");
     for (int i = 0; i < scene->body_count; ++i) {
-        const json_t *pose = json_array_get(poses, (size_t)i);
-        const pl_vec x = {json_number_value(json_array_get(pose, 0)),
-                          json_number_value(json_array_get(pose, 1)),
-                          json_number_value(json_array_get(pose, 2))};
-        for (int k = 0; k < scene->body_count && pose != NULL && !scene->bodies[i].is_static; ++k) {
+        pl_vec x;
+        const bool moves =
+            !scene->bodies[i].is_static &&
+            json_unpack(json_array_get(poses, (size_t)i), "[F, F, F]", &x.x, &x.y, &x.z) == 0;
+        for (int k = 0; k < scene->body_count && moves; ++k) {
             const pl_shape *shape = &scene->bodies[k].shape;
             if (shape->kind == PL_SHAPE_PLANE &&
                 pl_vec_dot(pl_vec_of(shape->normal), x) < shape->offset) {
@@ -96,35 +81,39 @@ bool pl_fell_through(const pl_scene *scene, const json_t *result)
     return false;
 }
 
-static void check_invariants(pl_invariants *kept, const json_t *result)
+static void count(json_t *counts, const char *key, bool counted)
+{
+    json_object_set_new(counts, key, json_integer(pl_study_integer(counts, key) + counted));
+}
+
+static void check_invariants(json_t *kept, const json_t *result, const char *outcome)
 {
     /* fmax passes over a NAN. */
     const double growth =
         fmax(value_of(result, PL_METRIC_ENERGY_GAIN), value_of(result, PL_METRIC_ENERGY_STEP_GAIN));
-    kept->energy_growth = fmax(kept->energy_growth, growth);
-    kept->energy_grew += growth > pl_energy_growth;
-    kept->fell_through +=
-        json_is_true(json_object_get(json_object_get(result, "ensemble"), "fell_through"));
-    kept->not_finite += outcome_of(result) == PL_OUTCOME_NONFINITE;
+    count(kept, "energy_grew", growth > pl_energy_growth);
+    count(kept, "fell_through", json_is_true(pl_study_get(result, "ensemble.fell_through")));
+    count(kept, "not_finite", strcmp(outcome, pl_outcome_name(PL_OUTCOME_NONFINITE)) == 0);
+    json_object_set_new(
+        kept, "energy_growth",
+        pl_json_number_or_null(fmax(pl_study_number(kept, "energy_growth"), growth)));
 }
 
 void pl_observations_gather(const json_t *results, pl_observations *observed)
 {
     size_t index;
     const json_t *result;
-    *observed = (pl_observations){.invariants = {.energy_growth = NAN}};
+    *observed = (pl_observations){.outcomes = json_object(), .invariants = json_object()};
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         observed->samples[i].values = pl_heap_new(json_array_size(results), sizeof(double));
     }
     json_array_foreach((json_t *)results, index, result)
     {
-        const pl_outcome outcome = outcome_of(result);
-        observed->results += 1;
-        observed->outcomes[outcome] += 1;
-        check_invariants(&observed->invariants, result);
-        if (outcome == PL_OUTCOME_OK || outcome == PL_OUTCOME_COLLAPSED) {
-            const json_t *settings = json_object_get(result, "settings");
-            add_values(observed, result, json_number_value(json_object_get(settings, "duration")));
+        const char *outcome = pl_json_get_text(result, "outcome");
+        count(observed->outcomes, outcome, true);
+        check_invariants(observed->invariants, result, outcome);
+        if (strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0) {
+            add_values(observed, result);
         }
     }
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
@@ -137,5 +126,6 @@ void pl_observations_free(pl_observations *observed)
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         free(observed->samples[i].values);
     }
-    *observed = (pl_observations){.results = 0};
+    json_decref(observed->outcomes);
+    json_decref(observed->invariants);
 }

@@ -21,22 +21,17 @@ typedef struct pl_sample {
     double mean, deviation; /* NAN for fewer than 1 and 2 values; the deviation divides by n - 1 */
 } pl_sample;
 
-/* Violations of laws that every member of every engine should obey. */
-typedef struct pl_invariants {
-    int energy_grew;      /* members whose energy grew by more than pl_energy_growth */
-    double energy_growth; /* the largest of all members; NAN: unknown */
-    int fell_through;     /* members with a body whose centre ended beyond a static plane */
-    int not_finite;       /* members whose state became infinite or NaN */
-} pl_invariants;
-
 /* The growth, relative to the energy of the scene, that is accepted as rounding. */
 extern const double pl_energy_growth;
 
 /* What was observed in the members of one ensemble. */
 typedef struct pl_observations {
-    int results;                    /* members with a result */
-    int outcomes[PL_OUTCOME_COUNT]; /* of these members */
-    pl_invariants invariants;
+    json_t *outcomes; /* of each outcome that members had, how many did */
+    json_t *
+        invariants; /* violations of laws that every member of every engine should obey: "energy_grew", members whose
+                         * energy grew by more than pl_energy_growth, by at most "energy_growth" (null: unknown);
+                         * "fell_through", members with a body whose centre ended beyond a static plane; "not_finite",
+                         * members whose state became infinite or NaN */
     pl_sample samples[PL_METRIC_COUNT]; /* empty where the metric is no observable */
 } pl_observations;
 
@@ -46,7 +41,7 @@ void pl_observations_gather(const json_t *results, pl_observations *observed);
 /* Whether a body's centre ended on the solid side of a static plane of the scene. */
 bool pl_fell_through(const pl_scene *scene, const json_t *result);
 
-/* Frees the values of all samples. */
+/* Frees all of it. */
 void pl_observations_free(pl_observations *observed);
 
 #endif

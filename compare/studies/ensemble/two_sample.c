@@ -3,6 +3,7 @@
 
 #include "base/heap.h"
 #include "base/random.h"
+#include "base/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,12 +13,6 @@ typedef struct tagged {
     double value;
     bool of_a;
 } tagged;
-
-static int by_value(const void *a, const void *b)
-{
-    const tagged *x = a, *y = b;
-    return (x->value > y->value) - (x->value < y->value);
-}
 
 pl_pool pl_pool_make(const double *a, int count_a, const double *b, int count_b)
 {
@@ -30,7 +25,7 @@ pl_pool pl_pool_make(const double *a, int count_a, const double *b, int count_b)
     for (int i = 0; i < pool.count; ++i) {
         all[i] = i < count_a ? (tagged){a[i], true} : (tagged){b[i - count_a], false};
     }
-    qsort(all, count, sizeof *all, by_value);
+    qsort(all, count, sizeof *all, pl_compare_numbers);
     for (int i = 0; i < pool.count; ++i) {
         pool.values[i] = all[i].value;
         pool.of_a[i] = all[i].of_a;
@@ -107,14 +102,16 @@ static bool next_arrangement(bool *flags, int count)
     return true;
 }
 
-/* Makes the first `chosen` of `order` a random choice (Fisher and Yates). */
-static void choose(pl_random *random, int *order, int count, int chosen)
+/* Deals the pooled values anew at random (Fisher and Yates): the first `count_a` of `order` go to the first sample. */
+static void deal(pl_random *random, int *order, pl_pool *pool)
 {
-    for (int i = 0; i < chosen; ++i) {
-        int other = i + (int)(pl_random_unit(random) * (count - i));
+    memset(pool->of_a, 0, (size_t)pool->count * sizeof *pool->of_a);
+    for (int i = 0; i < pool->count_a; ++i) {
+        int other = i + (int)(pl_random_unit(random) * (pool->count - i));
         int kept = order[i];
         order[i] = order[other];
         order[other] = kept;
+        pool->of_a[order[i]] = true;
     }
 }
 
@@ -137,11 +134,7 @@ static long count_draws(pl_pool *dealt, int *order, double bound)
     pl_random random = {.state = permutation_seed};
     long hits = 0;
     for (int draw = 0; draw < PL_PERMUTATION_DRAWS; ++draw) {
-        choose(&random, order, dealt->count, dealt->count_a);
-        memset(dealt->of_a, 0, (size_t)dealt->count * sizeof *dealt->of_a);
-        for (int i = 0; i < dealt->count_a; ++i) {
-            dealt->of_a[order[i]] = true;
-        }
+        deal(&random, order, dealt);
         hits += pl_energy_distance(dealt) >= bound;
     }
     return hits;
@@ -213,11 +206,7 @@ pl_noise pl_split_half_noise(const double *values, int count, int n, int m)
     pl_random random = {.state = split_seed};
     pl_noise noise = {.energy = 0};
     for (int split = 0; split < PL_NOISE_SPLITS; ++split) {
-        choose(&random, order, count, half);
-        memset(pool.of_a, 0, (size_t)count * sizeof *pool.of_a);
-        for (int i = 0; i < half; ++i) {
-            pool.of_a[order[i]] = true;
-        }
+        deal(&random, order, &pool);
         noise.energy += pl_energy_distance(&pool) / PL_NOISE_SPLITS;
         noise.ks += pl_kolmogorov_smirnov(&pool) / PL_NOISE_SPLITS;
     }
@@ -234,19 +223,13 @@ typedef struct ranked {
     int index;
 } ranked;
 
-static int by_p(const void *a, const void *b)
-{
-    const ranked *x = a, *y = b;
-    return (x->p > y->p) - (x->p < y->p);
-}
-
 void pl_holm(const double *p, int count, double *corrected)
 {
     ranked *order = pl_heap_new((size_t)count, sizeof *order);
     for (int i = 0; i < count; ++i) {
         order[i] = (ranked){p[i], i};
     }
-    qsort(order, (size_t)count, sizeof *order, by_p);
+    qsort(order, (size_t)count, sizeof *order, pl_compare_numbers);
     double largest = 0;
     for (int k = 0; k < count; ++k) {
         largest = fmax(largest, fmin(1, (count - k) * order[k].p));

@@ -2,8 +2,8 @@
 #include "agreement.h"
 
 #include "base/heap.h"
-#include "late_start.h"
 #include "plumb/vec.h"
+#include "results/result.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -38,51 +38,22 @@ void pl_trajectory_rewind(pl_trajectory *trajectory, int body_count)
     (void)!getline(&t->line, &t->capacity, t->file);
 }
 
-/* The text after the quoted name that begins at `text`, in which quotes are doubled; NULL where the
- * name has no end. */
-static const char *after_name(const char *text)
-{
-    if (*text++ != '"') {
-        return NULL;
-    }
-    for (; *text != '\0'; ++text) {
-        if (*text == '"') {
-            if (text[1] != '"') {
-                return text + 1;
-            }
-            ++text;
-        }
-    }
-    return NULL;
-}
-
-/* Reads `count` numbers, each after a comma. */
-static const char *read_numbers(const char *text, double *numbers, int count)
-{
-    for (int i = 0; i < count && text != NULL; ++i) {
-        char *end = NULL;
-        if (*text != ',') {
-            return NULL;
-        }
-        numbers[i] = strtod(text + 1, &end);
-        text = end == text + 1 ? NULL : end;
-    }
-    return text;
-}
-
+/* Reads a line: the time, the name of the body in quotes, and the numbers of its state. */
 static bool read_line(pl_trajectory *t, pl_body_state *body)
 {
+    double *x = body->position, *q = body->orientation, *v = body->velocity,
+           *w = body->angular_velocity;
+    char end = '\0';
     if (getline(&t->line, &t->capacity, t->file) < 0) {
         return false;
     }
-    char *end = NULL;
-    t->frame.time = strtod(t->line, &end);
-    const char *text = *end == ',' ? after_name(end + 1) : NULL;
-    text = text == NULL ? NULL : read_numbers(text, body->position, 3);
-    text = text == NULL ? NULL : read_numbers(text, body->orientation, 4);
-    text = text == NULL ? NULL : read_numbers(text, body->velocity, 3);
-    text = text == NULL ? NULL : read_numbers(text, body->angular_velocity, 3);
-    return text != NULL && *text == '\n';
+    t->frame.time = strtod(t->line, NULL);
+    const char *numbers = strrchr(t->line, '"');
+    return numbers != NULL &&
+           sscanf(numbers, "\",%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf%c", &x[0], &x[1],
+                  &x[2], &q[0], &q[1], &q[2], &q[3], &v[0], &v[1], &v[2], &w[0], &w[1], &w[2],
+                  &end) == 14 &&
+           end == '\n';
 }
 
 bool pl_trajectory_next(pl_trajectory *trajectory)
@@ -96,25 +67,22 @@ bool pl_trajectory_next(pl_trajectory *trajectory)
 
 static const double EXACT = 1e-9, CLOSE = 1e-3, PASSES = 1e-6;
 
-const char *pl_grade_name(pl_grade grade)
-{
-    static const char *const names[] = {
-        [PL_GRADE_BITWISE] = "bitwise", [PL_GRADE_EXACT] = "exact",
-        [PL_GRADE_CLOSE] = "close",     [PL_GRADE_DIFFERS] = "differs",
-        [PL_GRADE_FAILED] = "failed",   [PL_GRADE_INAPPLICABLE] = "inapplicable"};
-    return names[grade];
-}
+/* The largest difference over the dynamic bodies at one time. */
+typedef struct difference {
+    double position; /* over the size of the scene; 1 */
+    double rotation; /* rad */
+    bool same;       /* bitwise, up to that time */
+} difference;
 
-pl_grade pl_difference_grade(const pl_difference *difference)
+static json_t *difference_json(const difference *d)
 {
-    const pl_difference *d = difference;
-    if (d->same) {
-        return PL_GRADE_BITWISE;
-    }
-    if (d->position <= EXACT && d->rotation <= EXACT) {
-        return PL_GRADE_EXACT;
-    }
-    return d->position <= CLOSE && d->rotation <= CLOSE ? PL_GRADE_CLOSE : PL_GRADE_DIFFERS;
+    const double most = fmax(d->position, d->rotation);
+    return json_pack("{s:o, s:o, s:s}", "position", pl_json_number_or_null(d->position), "rotation",
+                     pl_json_number_or_null(d->rotation), "verdict",
+                     d->same         ? "bitwise"
+                     : most <= EXACT ? "exact"
+                     : most <= CLOSE ? "close"
+                                     : "differs");
 }
 
 static bool same_numbers(const double *a, const double *b, int count, double sign)
@@ -126,7 +94,7 @@ static bool same_numbers(const double *a, const double *b, int count, double sig
     return same;
 }
 
-static void compare_body(const pl_body_state *a, const pl_body_state *b, pl_difference *d)
+static void compare_body(const pl_body_state *a, const pl_body_state *b, difference *d)
 {
     double off = pl_vec_length(pl_vec_sub(pl_vec_of(a->position), pl_vec_of(b->position)));
     double turned = pl_angle_between(a->orientation, b->orientation);
@@ -166,9 +134,9 @@ static bool next_plain(const pl_trajectory_pair *c, bool is_first, pl_body_state
 }
 
 /* Compares the current frames of both runs. */
-static pl_difference compare_frames(const pl_trajectory_pair *c)
+static difference compare_frames(const pl_trajectory_pair *c)
 {
-    pl_difference d = {.same = true};
+    difference d = {.same = true};
     for (int i = 0; i < c->scene->body_count; ++i) {
         if (!c->scene->bodies[i].is_static) {
             pl_body_state back;
@@ -181,39 +149,41 @@ static pl_difference compare_frames(const pl_trajectory_pair *c)
     return d;
 }
 
-pl_status pl_compare_trajectories(const pl_trajectory_pair *comparison, pl_agreement *agreement,
-                                  pl_error *error)
+json_t *pl_agreement_of(const pl_trajectory_pair *comparison)
 {
     const pl_trajectory_pair *c = comparison;
     const long last = pl_scene_steps(c->scene) - c->first - (c->later > 0);
     const long early = last < 10 ? 1 : last / 10;
     bool same = true;
-    *agreement = (pl_agreement){.passes_at = (double)NAN};
-    pl_status status = PL_OK;
+    double passes_at = (double)NAN;
+    json_t *agreement = json_object();
     pl_trajectory_rewind(c->plain, c->scene->body_count);
     pl_trajectory_rewind(c->other, c->other_body_count);
     pl_body_state *states = pl_heap_new(2 * (size_t)c->scene->body_count + 1, sizeof *states);
     for (long i = 0; i < c->first; ++i) {
         pl_trajectory_next(c->plain);
     }
-    for (long i = 0; i <= last && status == PL_OK; ++i) {
+    for (long i = 0; i <= last; ++i) {
         if (!next_plain(c, i == 0, states) || !pl_trajectory_next(c->other)) {
-            status = pl_fail(error, PL_FAILED, "%ld of %ld frames to compare", i, last + 1);
+            json_object_clear(agreement);
+            json_object_set_new(agreement, "reason",
+                                json_sprintf("%ld of %ld frames to compare", i, last + 1));
             break;
         }
-        pl_difference now = compare_frames(c);
+        difference now = compare_frames(c);
         same = same && now.same;
         now.same = same;
-        if (isnan(agreement->passes_at) && !(now.position <= PASSES)) {
-            agreement->passes_at = c->plain->frame.time;
+        if (isnan(passes_at) && !(now.position <= PASSES)) {
+            passes_at = c->plain->frame.time;
         }
         if (i == early) {
-            agreement->early = now;
+            json_object_set_new(agreement, "early", difference_json(&now));
         }
         if (i == last) {
-            agreement->end = now;
+            json_object_set_new(agreement, "end", difference_json(&now));
+            json_object_set_new(agreement, "passes_at", pl_json_number_or_null(passes_at));
         }
     }
     free(states);
-    return status;
+    return agreement;
 }

@@ -4,6 +4,7 @@
 
 #include "transform.h"
 
+#include <jansson.h>
 #include <stdio.h>
 
 /* ---- Trajectories ---- */
@@ -29,35 +30,6 @@ bool pl_trajectory_next(pl_trajectory *trajectory);
 
 /* ---- Agreement ---- */
 
-/* The result of a check, from the closest agreement down. */
-typedef enum pl_grade {
-    PL_GRADE_BITWISE, /* every pose of every frame is the same number; +0 equals -0, and the two
-                         quaternions of a rotation are equal */
-    PL_GRADE_EXACT,   /* both differences are at most 1e-9 */
-    PL_GRADE_CLOSE,   /* both are at most 1e-3 */
-    PL_GRADE_DIFFERS,
-    PL_GRADE_FAILED,      /* one of the two runs did not finish */
-    PL_GRADE_INAPPLICABLE /* the check does not apply to this scene */
-} pl_grade;
-
-/* "bitwise" ... */
-const char *pl_grade_name(pl_grade grade);
-
-/* The largest difference over the dynamic bodies at one time. */
-typedef struct pl_difference {
-    double position; /* over the size of the scene; 1 */
-    double rotation; /* rad */
-    bool same;       /* bitwise, up to that time */
-} pl_difference;
-
-/* How far a run agrees with the run of the transformed scene. */
-typedef struct pl_agreement {
-    pl_difference early; /* at a tenth of the run, before chaos sets in */
-    pl_difference end;
-    double
-        passes_at; /* s: the first frame with a position off by over 1e-6 of the size; NAN: none */
-} pl_agreement;
-
 /* The two runs that are compared. */
 typedef struct pl_trajectory_pair {
     const pl_scene *scene; /* the plain scene */
@@ -72,11 +44,18 @@ typedef struct pl_trajectory_pair {
                      has a step less */
 } pl_trajectory_pair;
 
-/* PL_FAILED: one of the runs has fewer frames than steps. */
-pl_status pl_compare_trajectories(const pl_trajectory_pair *comparison, pl_agreement *agreement,
-                                  pl_error *error);
-
-/* The grade of a difference between two runs that finished. */
-pl_grade pl_difference_grade(const pl_difference *difference);
+/* How far a run agrees with the run of the transformed scene: a new object, as `agreement` of a result. "early" is at a
+ * tenth of the run, before chaos sets in, and "end" at its end; each has the largest difference over the dynamic bodies
+ * in "position" over the size of the scene, in "rotation" in rad, and a "verdict":
+ *
+ *   bitwise  every pose of every frame so far is the same number; +0 equals -0, and the two quaternions of a rotation
+ *            are equal;
+ *   exact    both differences are at most 1e-9;
+ *   close    both are at most 1e-3;
+ *   differs  elsewhere.
+ *
+ * "passes_at" is the time in s of the first frame with a position off by over 1e-6 of the size; null: none.
+ * Where one of the runs has fewer frames than steps it is a "reason" alone. */
+json_t *pl_agreement_of(const pl_trajectory_pair *comparison);
 
 #endif

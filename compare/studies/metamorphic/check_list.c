@@ -1,9 +1,7 @@
 /* The table of checks, and their transforms. */
 #include "check_list.h"
 
-#include "divide.h"
-#include "late_start.h"
-#include "transform.h"
+#include "base/heap.h"
 
 #include <string.h>
 
@@ -41,7 +39,7 @@ const pl_check *pl_checks(int *count)
     return checks;
 }
 
-pl_status pl_check_choose(const char *name, bool *chosen, pl_error *error)
+static pl_status choose(const char *name, bool *chosen, pl_error *error)
 {
     const char *names[2 * CHECK_COUNT];
     bool found = false;
@@ -64,58 +62,82 @@ pl_status pl_check_choose(const char *name, bool *chosen, pl_error *error)
                    nearest == NULL ? "" : "\"?");
 }
 
-/* Whether there are static boxes, no more than can be divided. */
-static bool has_boxes(const pl_check *check, const pl_scene *scene, const char **reason)
+pl_status pl_checks_choose(const char *const *names, int count, bool **chosen, pl_error *error)
 {
-    const double boxes = pl_static_box_count(scene);
-    const bool fits = check->kind == PL_CHECK_SPLIT
-                          ? scene->body_count + boxes <= PL_MAX_BODIES
-                          : 12 * check->amount * check->amount * boxes <= PL_MAX_SCENE_TRIANGLES;
-    *reason = boxes == 0 ? "there is no static box" : "there are too many static boxes";
-    return boxes > 0 && fits;
+    pl_status status = PL_OK;
+    *chosen = pl_heap_new(CHECK_COUNT, sizeof **chosen);
+    memset(*chosen, count == 0, CHECK_COUNT * sizeof **chosen);
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        status = choose(names[i], *chosen, error);
+    }
+    return status;
 }
 
 bool pl_check_transform(const pl_check *check, const pl_scene *scene, pl_transform *transform,
                         const char **reason)
 {
-    double offset[3];
     *transform = pl_transform_identity();
     switch (check->kind) {
     case PL_CHECK_ROTATE:
         *transform = pl_transform_rotation(check->axis, (int)check->amount);
         break;
     case PL_CHECK_SHIFT:
-        *transform = pl_transform_shift(check->amount, 0, 0);
+        transform->shift[0] = check->amount;
         break;
     case PL_CHECK_SCALE:
-        *transform = pl_transform_scaling(check->amount);
+        transform->scale = check->amount;
         break;
     case PL_CHECK_ORDER:
-        *transform = pl_transform_order((pl_body_order)check->amount);
+        transform->order = (pl_body_order)check->amount;
         break;
     case PL_CHECK_FAR:
-        if (!pl_far_offset(scene, check->amount, offset)) {
-            *reason = "planes stand in all directions: a far copy would meet them";
-            return false;
-        }
-        *transform = pl_transform_copy(offset);
-        break;
+        *reason = "planes stand in all directions: a far copy would meet them";
+        transform->has_copy = pl_far_offset(scene, check->amount, transform->copy_offset);
+        return transform->has_copy;
     case PL_CHECK_MIRROR:
         *transform = pl_transform_mirror();
         break;
-    case PL_CHECK_AGAIN:
+    default:
         break;
-    case PL_CHECK_RESTART:
-        if (pl_scene_steps(scene) < 2) {
-            *reason = "a run of one step has no half time";
-            return false;
-        }
-        break;
-    case PL_CHECK_SPLIT:
-    case PL_CHECK_TESSELLATE:
-        return has_boxes(check, scene, reason);
-    case PL_CHECK_LATE:
-        return pl_late_start_is_known(scene, check->amount, reason);
     }
     return true;
+}
+
+/* The scene with its static boxes divided, if there are any, and no more than can be. */
+static pl_status divide(const pl_check *check, const pl_scene *plain, pl_scene *scene,
+                        const char **reason, pl_error *error)
+{
+    const double boxes = pl_static_box_count(plain);
+    const bool splits = check->kind == PL_CHECK_SPLIT;
+    const bool fits = splits ? plain->body_count + boxes <= PL_MAX_BODIES
+                             : 12 * check->amount * check->amount * boxes <= PL_MAX_SCENE_TRIANGLES;
+    if (boxes == 0 || !fits) {
+        *reason = boxes == 0 ? "there is no static box" : "there are too many static boxes";
+        return PL_OK;
+    }
+    return splits ? pl_split_boxes(plain, check->axis, scene, error)
+                  : pl_tessellate_boxes(plain, (int)check->amount, scene, error);
+}
+
+pl_status pl_check_scene(const pl_check *check, const pl_scene *plain, pl_transform *transform,
+                         pl_scene *scene, const char **reason, pl_error *error)
+{
+    const char *why = NULL;
+    *reason = NULL;
+    if (!pl_check_transform(check, plain, transform, &why)) {
+        *reason = why;
+        return PL_OK;
+    }
+    switch (check->kind) {
+    case PL_CHECK_RESTART:
+        *reason = pl_scene_steps(plain) < 2 ? "a run of one step has no half time" : NULL;
+        return PL_OK;
+    case PL_CHECK_SPLIT:
+    case PL_CHECK_TESSELLATE:
+        return divide(check, plain, scene, reason, error);
+    case PL_CHECK_LATE:
+        return pl_late_start(plain, check->amount, scene, reason, error);
+    default:
+        return pl_transform_scene(transform, plain, scene, error);
+    }
 }

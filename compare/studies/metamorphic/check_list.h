@@ -33,13 +33,18 @@ typedef struct pl_check {
 /* All checks in the order of reports. Static storage. */
 const pl_check *pl_checks(int *count);
 
-/* Sets chosen[i] for every check with this name or of this family. PL_BAD_INPUT suggests the
- * nearest name. */
-pl_status pl_check_choose(const char *name, bool *chosen, pl_error *error);
+/* Chooses the checks of these names and families, all where there are none: (*chosen)[i] of pl_checks, which the caller
+ * frees. PL_BAD_INPUT suggests the nearest name. */
+pl_status pl_checks_choose(const char *const *names, int count, bool **chosen, pl_error *error);
 
 /* The check's transform of this scene: the identity where the scene is changed otherwise. False, with the
- * reason, when the check does not apply to the scene. */
+ * reason, where the transform does not apply to the scene. */
 bool pl_check_transform(const pl_check *check, const pl_scene *scene, pl_transform *transform,
                         const char **reason);
+
+/* The scene of the check, which the caller frees, and its transform. Where the check does not apply to the scene,
+ * *reason says why, and there is no scene; nor is there one of a restart, which begins from the states of a run. */
+pl_status pl_check_scene(const pl_check *check, const pl_scene *plain, pl_transform *transform,
+                         pl_scene *scene, const char **reason, pl_error *error);
 
 #endif

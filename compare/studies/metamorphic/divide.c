@@ -1,8 +1,7 @@
-#include "divide.h"
+#include "transform.h"
 
 #include "base/heap.h"
 #include "plumb/vec.h"
-#include "transform.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,6 +21,27 @@ int pl_static_box_count(const pl_scene *scene)
     return count;
 }
 
+/* The scene with what `divide` makes of each static box. */
+static pl_status divide_boxes(const pl_scene *from,
+                              pl_status (*divide)(pl_scene *scene, int body, void *user,
+                                                  pl_error *error),
+                              void *user, pl_scene *to, pl_error *error)
+{
+    pl_status status = pl_scene_copy_unjudged(from, to, error);
+    for (int i = 0; i < from->body_count && status == PL_OK; ++i) {
+        if (is_static_box(&from->bodies[i])) {
+            status = divide(to, i, user, error);
+        }
+    }
+    if (status == PL_OK) {
+        status = pl_scene_validate(to, error);
+    }
+    if (status != PL_OK) {
+        pl_scene_free(to);
+    }
+    return status;
+}
+
 /* ---- Halves ---- */
 
 /* Makes the body its half at one end of its axis: -1 or 1. */
@@ -33,25 +53,19 @@ static void halve(pl_body *body, int axis, double end)
     pl_vec_store(pl_vec_mad(pl_vec_of(body->position), arm, axes.axis[axis]), body->position);
 }
 
+/* Puts halves in the place of the box of body `body`. */
+static pl_status split(pl_scene *scene, int body, void *axis, pl_error *error)
+{
+    pl_body second = scene->bodies[body];
+    halve(&scene->bodies[body], *(int *)axis, -1);
+    halve(&second, *(int *)axis, 1);
+    snprintf(second.name, sizeof second.name, "other half of body %d", body);
+    return pl_scene_add_body(scene, &second, NULL, error);
+}
+
 pl_status pl_split_boxes(const pl_scene *from, int axis, pl_scene *to, pl_error *error)
 {
-    pl_status status = pl_scene_copy_unjudged(from, to, error);
-    for (int i = 0; i < from->body_count && status == PL_OK; ++i) {
-        if (is_static_box(&from->bodies[i])) {
-            pl_body second = to->bodies[i];
-            halve(&to->bodies[i], axis, -1);
-            halve(&second, axis, 1);
-            snprintf(second.name, sizeof second.name, "other half of body %d", i);
-            status = pl_scene_add_body(to, &second, NULL, error);
-        }
-    }
-    if (status == PL_OK) {
-        status = pl_scene_validate(to, error);
-    }
-    if (status != PL_OK) {
-        pl_scene_free(to);
-    }
-    return status;
+    return divide_boxes(from, split, &axis, to, error);
 }
 
 /* ---- Meshes ---- */
@@ -102,8 +116,9 @@ static void add_face(grid *g, const double half[3], int axis, int end)
 }
 
 /* Puts the mesh in the place of the box of body `body`. */
-static pl_status tessellate(pl_scene *scene, int body, grid *g, pl_error *error)
+static pl_status tessellate(pl_scene *scene, int body, void *user, pl_error *error)
 {
+    grid *g = user;
     const double *half = scene->bodies[body].shape.half_extents;
     const pl_polyhedron *mesh = NULL;
     g->vertex_count = g->triangle_count = 0;
@@ -129,19 +144,7 @@ pl_status pl_tessellate_boxes(const pl_scene *from, int n, pl_scene *to, pl_erro
               .index = pl_heap_new(points, sizeof *g.index),
               .vertices = pl_heap_new(points, sizeof *g.vertices),
               .triangles = pl_heap_new((size_t)12 * (size_t)n * (size_t)n, sizeof *g.triangles)};
-    pl_status status = pl_scene_copy_unjudged(from, to, error);
-    bool is_copied = status == PL_OK;
-    for (int i = 0; i < from->body_count && status == PL_OK; ++i) {
-        if (is_static_box(&from->bodies[i])) {
-            status = tessellate(to, i, &g, error);
-        }
-    }
-    if (status == PL_OK) {
-        status = pl_scene_validate(to, error);
-    }
-    if (status != PL_OK && is_copied) {
-        pl_scene_free(to);
-    }
+    const pl_status status = divide_boxes(from, tessellate, &g, to, error);
     free(g.index);
     free(g.vertices);
     free(g.triangles);

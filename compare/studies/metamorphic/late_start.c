@@ -1,9 +1,8 @@
-#include "late_start.h"
+#include "transform.h"
 
 #include "plumb/vec.h"
 #include "referee/geometry/gap.h"
 #include "referee/geometry/solid.h"
-#include "transform.h"
 
 #include <math.h>
 #include <string.h>
@@ -59,16 +58,6 @@ void pl_state_between(const pl_body *body, const pl_body_state *now, const pl_bo
     advance(&body->shape, at, linear, angular, fraction * dt);
 }
 
-static pl_body_state state_of(const pl_body *body)
-{
-    pl_body_state state = {.position = {0}};
-    memcpy(state.position, body->position, sizeof state.position);
-    memcpy(state.orientation, body->orientation, sizeof state.orientation);
-    memcpy(state.velocity, body->velocity, sizeof state.velocity);
-    memcpy(state.angular_velocity, body->angular_velocity, sizeof state.angular_velocity);
-    return state;
-}
-
 /* ---- Known motions ---- */
 
 /* A scene, and what is asked of it. */
@@ -103,7 +92,7 @@ static double reach_of(const start *s, const pl_body *body)
 static bool is_near(const start *s, const pl_body *a, const pl_body *b)
 {
     const double reach = s->touches + reach_of(s, a) + reach_of(s, b);
-    const pl_body_state states[2] = {state_of(a), state_of(b)};
+    const pl_body_state states[2] = {pl_body_start(a), pl_body_start(b)};
     const pl_placed_shape shapes[2] = {placed(a, &states[0]), placed(b, &states[1])};
     double gap = 0;
     if (a->shape.kind != PL_SHAPE_PLANE && b->shape.kind != PL_SHAPE_PLANE) {
@@ -137,7 +126,7 @@ static bool is_carried(const start *s, const pl_body *body, const pl_body_state 
 {
     const double foot = height(s, body, state, -1);
     const pl_vec centre = pl_state_centre(body, state);
-    const pl_body_state other = state_of(support);
+    const pl_body_state other = pl_body_start(support);
     const pl_shape probe = pl_shape_sphere(s->touches);
     pl_placed_shape below = {.shape = &probe, .orientation = {1, 0, 0, 0}};
     const pl_placed_shape top = placed(support, &other);
@@ -168,7 +157,7 @@ static bool is_uniform_on(const start *s, const pl_body *body, const pl_body *su
 static bool is_uniform(const start *s, int b)
 {
     const pl_body *body = &s->scene->bodies[b];
-    const pl_body_state begin = state_of(body);
+    const pl_body_state begin = pl_body_start(body);
     const pl_vec none = {0, 0, 0};
     pl_body_state end = begin;
     bool is_carried_at_begin = false, is_carried_at_end = false;
@@ -181,7 +170,7 @@ static bool is_uniform(const start *s, int b)
         if (i == b || !is_near(s, body, support)) {
             continue;
         }
-        const pl_body_state other = state_of(support);
+        const pl_body_state other = pl_body_start(support);
         const double step = height(s, support, &other, 1) - height(s, body, &begin, -1);
         if (!support->is_static || !(fabs(step) <= s->touches) ||
             !is_uniform_on(s, body, support)) {
@@ -248,44 +237,42 @@ static start start_of(const pl_scene *scene, double fraction)
                    .up = pl_vec_scale(g, strength > 0 ? -1 / strength : 0)};
 }
 
-bool pl_late_start_is_known(const pl_scene *scene, double fraction, const char **reason)
+/* Moves all bodies of `to`, a copy of the scene, on. Returns why that is not possible; NULL: it was done. */
+static const char *move_on(const start *s, pl_scene *to)
 {
-    const start s = start_of(scene, fraction);
-    if (scene->force_count > 0) {
-        *reason = "forces act: the motion over a fraction of a step is not known";
-        return false;
+    const pl_vec none = {0, 0, 0};
+    if (to->force_count > 0) {
+        return "forces act: the motion over a fraction of a step is not known";
     }
-    if (pl_scene_steps(scene) < 2 || scene->body_count > MOST_BODIES) {
-        *reason = "the run has fewer than 2 steps, or the scene more than 5000 bodies";
-        return false;
+    if (pl_scene_steps(to) < 2 || to->body_count > MOST_BODIES) {
+        return "the run has fewer than 2 steps, or the scene more than 5000 bodies";
     }
-    for (int b = 0; b < scene->body_count; ++b) {
-        if (!scene->bodies[b].is_static && motion_of(&s, b) == MOTION_UNKNOWN) {
-            *reason = "the motion over a fraction of a step is not known: some body neither flies "
-                      "freely, nor rests, nor slides without friction or rolls on a level top";
-            return false;
+    for (int b = 0; b < to->body_count; ++b) {
+        pl_body *body = &to->bodies[b];
+        pl_body_state state = pl_body_start(body);
+        const motion kind = body->is_static ? MOTION_REST : motion_of(s, b);
+        if (kind == MOTION_UNKNOWN) {
+            return "the motion over a fraction of a step is not known: some body neither flies "
+                   "freely, nor rests, nor slides without friction or rolls on a level top";
+        }
+        if (kind != MOTION_REST) {
+            advance(&body->shape, &state, kind == MOTION_FREE ? pl_vec_of(s->scene->gravity) : none,
+                    none, s->time);
+            pl_body_set_start(body, &state);
         }
     }
-    return true;
+    to->duration = (double)(pl_scene_steps(to) - 1) * to->dt;
+    return NULL;
 }
 
-pl_status pl_late_start_scene(const pl_scene *from, double fraction, pl_scene *to, pl_error *error)
+pl_status pl_late_start(const pl_scene *from, double fraction, pl_scene *to, const char **reason,
+                        pl_error *error)
 {
     const start s = start_of(from, fraction);
-    const pl_vec none = {0, 0, 0};
-    pl_status status = pl_scene_copy_unjudged(from, to, error);
-    for (int b = 0; b < from->body_count && status == PL_OK; ++b) {
-        const motion kind = from->bodies[b].is_static ? MOTION_REST : motion_of(&s, b);
-        pl_body *body = &to->bodies[b];
-        if (kind != MOTION_REST) {
-            pl_body_state state = state_of(body);
-            advance(&body->shape, &state, kind == MOTION_FREE ? pl_vec_of(from->gravity) : none,
-                    none, s.time);
-            memcpy(body->position, state.position, sizeof body->position);
-            memcpy(body->orientation, state.orientation, sizeof body->orientation);
-            memcpy(body->velocity, state.velocity, sizeof body->velocity);
-        }
+    const pl_status status = pl_scene_copy_unjudged(from, to, error);
+    *reason = status == PL_OK ? move_on(&s, to) : NULL;
+    if (*reason != NULL) {
+        pl_scene_free(to);
     }
-    to->duration = status == PL_OK ? (double)(pl_scene_steps(from) - 1) * from->dt : to->duration;
     return status;
 }

@@ -3,11 +3,8 @@
 
 #include "agreement.h"
 #include "base/heap.h"
-#include "divide.h"
-#include "late_start.h"
 #include "results/result.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,20 +18,6 @@ typedef struct framed_run {
     pl_trajectory trajectory;
 } framed_run;
 
-/* A scene on an engine: the plain run, and those of the checks that are missing. */
-typedef struct pair {
-    const pl_plan *plan;
-    const pl_configuration *configuration;
-    double size; /* m, of the scene */
-    framed_run plain;
-    bool is_known; /* the store has the result of the plain run */
-    int missing;   /* checks that the store does not have */
-    bool is_due;
-    json_t *result;     /* of the plain run that was made; NULL: none */
-    framed_run *others; /* (other_count) */
-    int other_count;
-} pair;
-
 typedef struct work {
     const bool *chosen;
     const pl_execution_def *how;
@@ -43,6 +26,19 @@ typedef struct work {
     int *signal_number;
 } work;
 
+/* A scene on an engine. */
+typedef struct pair {
+    work *work;
+    const pl_configuration *configuration;
+    double size;      /* m, of the scene */
+    framed_run *runs; /* (count): the plain run, then those of the checks that are missing */
+    int count;
+    bool is_known; /* the store has the result of the plain run */
+    int missing;   /* checks that the store does not have */
+    bool is_due;
+    json_t *result; /* of the plain run that was made; NULL: none */
+} pair;
+
 /* Whether the run finished, as expected or collapsed. */
 static bool finished(const json_t *result)
 {
@@ -50,48 +46,30 @@ static bool finished(const json_t *result)
     return strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0;
 }
 
-/* ---- Agreement ---- */
-
-static json_t *difference_to_json(const pl_difference *d)
-{
-    return json_pack("{s:o, s:o, s:s}", "position", pl_json_number_or_null(d->position), "rotation",
-                     pl_json_number_or_null(d->rotation), "verdict",
-                     pl_grade_name(pl_difference_grade(d)));
-}
-
 /* How far a run of a transformed scene agrees with the plain run. */
 static json_t *agreement_of(pair *p, framed_run *r)
 {
-    pl_error fault = {.message = ""};
-    pl_agreement found;
+    framed_run *plain = &p->runs[0];
     const pl_trajectory_pair comparison = {
-        .scene = &p->plain.test_case.scene,
+        .scene = &plain->test_case.scene,
         .transform = &r->transform,
         .size = p->size,
-        .plain = &p->plain.trajectory,
+        .plain = &plain->trajectory,
         .other = &r->trajectory,
         .other_body_count = r->test_case.scene.body_count,
         .first = r->first,
         .later = r->check->kind == PL_CHECK_LATE ? r->check->amount : 0};
-    if (pl_compare_trajectories(&comparison, &found, &fault) != PL_OK) {
-        return json_pack("{s:s}", "reason", fault.message);
-    }
-    return json_pack("{s:o, s:o, s:o}", "passes_at", pl_json_number_or_null(found.passes_at),
-                     "early", difference_to_json(&found.early), "end",
-                     difference_to_json(&found.end));
+    return pl_agreement_of(&comparison);
 }
 
+/* The run of the pair with this hash, which there is. */
 static framed_run *find_run(pair *p, const char *run)
 {
-    if (strcmp(p->plain.run, run) == 0) {
-        return &p->plain;
+    framed_run *r = p->runs;
+    while (strcmp(r->run, run) != 0) {
+        ++r;
     }
-    for (int i = 0; i < p->other_count; ++i) {
-        if (strcmp(p->others[i].run, run) == 0) {
-            return &p->others[i];
-        }
-    }
-    return NULL;
+    return r;
 }
 
 static pl_status open_frames(void *user, const char *run, FILE **file, pl_error *error)
@@ -107,72 +85,50 @@ static void amend(void *user, json_t *result)
     pair *p = user;
     framed_run *r = find_run(p, pl_json_get_text(result, "run"));
     if (r->check == NULL) {
+        p->result = json_incref(result);
         json_object_set_new(result, "agreement", json_pack("{s:f}", "size", p->size));
-    } else if (finished(result)) {
+        return;
+    }
+    if (finished(result)) {
         json_object_set_new(result, "agreement", agreement_of(p, r));
     }
-    if (r->check != NULL) {
-        pl_trajectory_close(&r->trajectory);
-    }
-}
-
-static pl_status take(void *user, json_t *result, pl_error *error)
-{
-    (void)error;
-    pair *p = user;
-    if (strcmp(pl_json_get_text(result, "run"), p->plain.run) == 0) {
-        p->result = json_incref(result);
-    }
-    return PL_OK;
+    pl_trajectory_close(&r->trajectory);
 }
 
 /* ---- Runs ---- */
 
-/* Makes runs of a pair; without a store what they give is not kept. */
-static pl_status make_runs(work *w, pair *p, const framed_run *runs, int count, pl_store *store,
-                           pl_error *error)
+/* Makes the runs of a pair from `first` on; without a store what they give is not kept. */
+static pl_status make_runs(pair *p, int first, pl_store *store, pl_error *error)
 {
-    pl_case *cases = pl_heap_new((size_t)count, sizeof *cases);
+    work *w = p->work;
+    pl_case *cases = pl_heap_new((size_t)p->count, sizeof *cases);
     pl_configuration configuration = *p->configuration;
-    for (int i = 0; i < count; ++i) {
-        cases[i] = runs[i].test_case;
+    for (int i = first; i < p->count; ++i) {
+        cases[i - first] = p->runs[i].test_case;
     }
     const pl_plan plan = {.cases = cases,
-                          .case_count = count,
+                          .case_count = p->count - first,
                           .configurations = &configuration,
                           .configuration_count = 1,
                           .repeats = 1,
-                          .seed = p->plan->seed};
+                          .seed = w->how->plan->seed};
     pl_execution_def execution = *w->how;
     execution.plan = &plan;
     execution.store = store;
-    execution.bar = w->how->progress == NULL ? NULL : &w->bar;
+    execution.bar = &w->bar;
     execution.user = p;
     execution.frames = open_frames;
     execution.amend = amend;
-    execution.take = take;
     const pl_status status = pl_execute(&execution, w->signal_number, error);
     free(cases);
     return status;
 }
 
-/* Makes the check's scene, which begins at the plain run's frame r->first. */
-static pl_status make_scene(pair *p, const framed_run *r, pl_scene *scene, pl_error *error)
+/* The scene of a restart, which begins at the plain run's frame r->first. */
+static pl_status restart(pair *p, const framed_run *r, pl_scene *scene, pl_error *error)
 {
-    const pl_scene *plain = &p->plain.test_case.scene;
-    pl_trajectory *frames = &p->plain.trajectory;
-    switch (r->check->kind) {
-    case PL_CHECK_RESTART:
-        break;
-    case PL_CHECK_SPLIT:
-        return pl_split_boxes(plain, r->check->axis, scene, error);
-    case PL_CHECK_TESSELLATE:
-        return pl_tessellate_boxes(plain, (int)r->check->amount, scene, error);
-    case PL_CHECK_LATE:
-        return pl_late_start_scene(plain, r->check->amount, scene, error);
-    default:
-        return pl_transform_scene(&r->transform, plain, scene, error);
-    }
+    const pl_scene *plain = &p->runs[0].test_case.scene;
+    pl_trajectory *frames = &p->runs[0].trajectory;
     pl_trajectory_rewind(frames, plain->body_count);
     for (long i = 0; i <= r->first; ++i) {
         if (!pl_trajectory_next(frames)) {
@@ -182,18 +138,13 @@ static pl_status make_scene(pair *p, const framed_run *r, pl_scene *scene, pl_er
     return pl_restart_scene(plain, frames->frame.bodies, r->first, scene, error);
 }
 
-/* The run of a planned case of a pair. */
-static pl_planned_run planned_run(const pair *p, const pl_case *test_case)
-{
-    return (pl_planned_run){.test_case = test_case, .configuration = p->configuration};
-}
-
 /* Adds the result of a check that does not apply to the scene. */
-static pl_status add_inapplicable(work *w, const pair *p, const pl_case *test_case,
-                                  const char *reason, pl_error *error)
+static pl_status add_inapplicable(const pair *p, const pl_case *test_case, const char *reason,
+                                  pl_error *error)
 {
-    const pl_planned_run planned = planned_run(p, test_case);
-    json_t *identity = pl_planned_run_identity(p->plan, &planned);
+    work *w = p->work;
+    const pl_planned_run planned = {.test_case = test_case, .configuration = p->configuration};
+    json_t *identity = pl_planned_run_identity(w->how->plan, &planned);
     json_t *result =
         pl_result_unmade(identity, PL_OUTCOME_UNSUPPORTED, pl_scene_steps(&test_case->scene),
                          reason, w->how->provenance);
@@ -204,72 +155,81 @@ static pl_status add_inapplicable(work *w, const pair *p, const pl_case *test_ca
     return status;
 }
 
-/* Prepares the run of a check, or adds the result of one that does not apply. */
-static pl_status prepare_check(work *w, pair *p, const pl_check *check, pl_error *error)
+/* Adds a run to the pair, whose hash follows from its case. */
+static void add_run(pair *p, framed_run *r)
 {
-    const pl_scene *plain = &p->plain.test_case.scene;
+    const pl_planned_run planned = {.test_case = &r->test_case, .configuration = p->configuration};
+    pl_planned_run_hash(p->work->how->plan, &planned, r->run);
+    pl_push(&p->runs, &p->count, r, sizeof *r);
+}
+
+/* Prepares the run of a check, or adds the result of one that does not apply. */
+static pl_status prepare_check(pair *p, const pl_check *check, pl_error *error)
+{
+    const framed_run *plain = &p->runs[0];
+    const pl_scene *plain_scene = &plain->test_case.scene;
     const char *reason = NULL;
     framed_run r = {.check = check,
-                    .first = check->kind == PL_CHECK_RESTART ? pl_scene_steps(plain) / 2 : 0,
-                    .test_case = p->plain.test_case};
+                    .first = check->kind == PL_CHECK_RESTART ? pl_scene_steps(plain_scene) / 2 : 0,
+                    .test_case = plain->test_case};
+    pl_scene scene = pl_scene_default();
     r.test_case.variation.change = check->name;
     r.test_case.study = json_pack("{s:s, s:s, s:s}", "name", "metamorphic", "check", check->name,
-                                  "plain", p->plain.run);
-    if (!pl_check_transform(check, plain, &r.transform, &reason)) {
-        const pl_status status = add_inapplicable(w, p, &r.test_case, reason, error);
+                                  "plain", plain->run);
+    pl_status status = pl_check_scene(check, plain_scene, &r.transform, &scene, &reason, error);
+    if (status == PL_OK && reason != NULL) {
+        status = add_inapplicable(p, &r.test_case, reason, error);
         json_decref(r.test_case.study);
         return status;
     }
-    r.test_case.scene = pl_scene_default();
-    pl_status status = make_scene(p, &r, &r.test_case.scene, error);
-    if (status == PL_OK) {
-        status = pl_scene_hash(&r.test_case.scene, r.test_case.scene_hash, error);
+    if (status == PL_OK && check->kind == PL_CHECK_RESTART) {
+        status = restart(p, &r, &scene, error);
     }
+    r.test_case.scene = scene;
     if (status == PL_OK) {
-        const pl_planned_run planned = planned_run(p, &r.test_case);
-        pl_planned_run_hash(p->plan, &planned, r.run);
+        status = pl_scene_hash(&scene, r.test_case.scene_hash, error);
     }
-    pl_push(&p->others, &p->other_count, &r, sizeof r);
+    add_run(p, &r);
     return status;
 }
 
-static bool has_check(const work *w, const pair *p, const pl_check *check)
+static bool is_missing(const pair *p, int check)
 {
-    char key[128];
-    snprintf(key, sizeof key, "%s %.100s", p->plain.run, check->name);
-    return json_object_get(w->made, key) != NULL;
+    char *key = pl_heap_format("%s %s", p->runs[0].run, pl_checks(&(int){0})[check].name);
+    const bool is_made = json_object_get(p->work->made, key) != NULL;
+    free(key);
+    return p->work->chosen[check] && !is_made;
 }
 
 /* Makes the missing checks of a plain run that has ended. */
-static pl_status make_checks(work *w, pair *p, pl_error *error)
+static pl_status make_checks(pair *p, pl_error *error)
 {
     int count = 0;
     pl_status status = PL_OK;
     const pl_check *checks = pl_checks(&count);
     for (int i = 0; i < count && status == PL_OK; ++i) {
-        if (w->chosen[i] && !has_check(w, p, &checks[i])) {
-            status = prepare_check(w, p, &checks[i], error);
+        if (is_missing(p, i)) {
+            status = prepare_check(p, &checks[i], error);
         }
     }
-    return status == PL_OK && p->other_count > 0
-               ? make_runs(w, p, p->others, p->other_count, w->how->store, error)
-               : status;
+    return status == PL_OK && p->count > 1 ? make_runs(p, 1, p->work->how->store, error) : status;
 }
 
 /* A plain run that is known is made again where its frames are needed. */
-static pl_status make_pair(work *w, pair *p, pl_error *error)
+static pl_status make_pair(pair *p, pl_error *error)
 {
-    pl_status status = make_runs(w, p, &p->plain, 1, p->is_known ? NULL : w->how->store, error);
+    work *w = p->work;
+    pl_status status = make_runs(p, 0, p->is_known ? NULL : w->how->store, error);
     if (status != PL_OK || *w->signal_number != 0) {
         return status;
     }
     if (finished(p->result)) {
-        return make_checks(w, p, error);
+        return make_checks(p, error);
     }
     w->bar.total -= p->missing;
     return p->is_known ? pl_fail(error, PL_FAILED,
                                  "%s on %s: made again for its frames, the plain run is %s: %s",
-                                 p->plain.test_case.name, p->configuration->label,
+                                 p->runs[0].test_case.name, p->configuration->label,
                                  pl_json_get_text(p->result, "outcome"),
                                  pl_json_get_text(p->result, "reason"))
                        : PL_OK;
@@ -285,48 +245,47 @@ static json_t *made_checks(const json_t *results)
     const json_t *result;
     json_array_foreach((json_t *)results, index, result)
     {
-        const json_t *study = json_object_get(result, "study");
-        char *key = pl_heap_format("%s %s", pl_json_get_text(study, "plain"),
-                                   pl_json_get_text(study, "check"));
+        char *key = pl_heap_format("%s %s", pl_study_text(result, "study.plain"),
+                                   pl_study_text(result, "study.check"));
         json_object_set_new_nocheck(made, key, json_true());
         free(key);
     }
     return made;
 }
 
-static void begin_pair(const work *w, const pl_plan *plan, const pl_planned_run *planned, pair *p)
+static pair begin_pair(work *w, const pl_planned_run *planned)
 {
+    pair p = {.work = w,
+              .configuration = planned->configuration,
+              .size = pl_scene_size(&planned->test_case->scene)};
+    framed_run plain = {.test_case = *planned->test_case};
     int count = 0;
-    const pl_check *checks = pl_checks(&count);
-    *p = (pair){.plan = plan,
-                .configuration = planned->configuration,
-                .size = pl_scene_size(&planned->test_case->scene),
-                .plain = {.test_case = *planned->test_case}};
-    p->plain.test_case.study = json_pack("{s:s, s:s}", "name", "metamorphic", "check", "plain");
-    const pl_planned_run plain = planned_run(p, &p->plain.test_case);
-    pl_planned_run_hash(plan, &plain, p->plain.run);
-    const json_t *known = pl_store_find(w->how->store, p->plain.run);
+    (void)pl_checks(&count);
+    plain.test_case.study = json_pack("{s:s, s:s}", "name", "metamorphic", "check", "plain");
+    add_run(&p, &plain);
+    const json_t *known = pl_store_find(w->how->store, p.runs[0].run);
     for (int i = 0; i < count; ++i) {
-        p->missing += w->chosen[i] && !has_check(w, p, &checks[i]);
+        p.missing += is_missing(&p, i);
     }
-    p->is_known = known != NULL;
-    p->is_due = known == NULL || (p->missing > 0 && finished(known));
+    p.is_known = known != NULL;
+    p.is_due = known == NULL || (p.missing > 0 && finished(known));
+    return p;
 }
 
 static void end_pair(pair *p)
 {
-    for (int i = 0; i < p->other_count; ++i) {
-        pl_trajectory_close(&p->others[i].trajectory);
-        pl_scene_free(&p->others[i].test_case.scene);
-        json_decref(p->others[i].test_case.study);
+    for (int i = 0; i < p->count; ++i) {
+        pl_trajectory_close(&p->runs[i].trajectory);
+        json_decref(p->runs[i].test_case.study);
+        if (i > 0) {
+            pl_scene_free(&p->runs[i].test_case.scene);
+        }
     }
-    free(p->others);
-    pl_trajectory_close(&p->plain.trajectory);
-    json_decref(p->plain.test_case.study);
+    free(p->runs);
     json_decref(p->result);
 }
 
-pl_status pl_metamorphic_run(const pl_plan *plan, const bool *chosen, const pl_execution_def *how,
+pl_status pl_metamorphic_run(const bool *chosen, const pl_execution_def *how,
                              int *signal_number, /* NOLINT(readability-non-const-parameter) */
                              pl_error *error)
 {
@@ -334,27 +293,23 @@ pl_status pl_metamorphic_run(const pl_plan *plan, const bool *chosen, const pl_e
               .how = how,
               .made = made_checks(pl_store_results(how->store)),
               .signal_number = signal_number};
-    const long count = pl_plan_size(plan);
+    const long count = pl_plan_size(how->plan);
     pair *pairs = pl_heap_new((size_t)count, sizeof *pairs);
     pl_status status = PL_OK;
     long total = 0;
     for (long i = 0; i < count; ++i) {
-        const pl_planned_run planned = pl_plan_run(plan, i);
-        begin_pair(&w, plan, &planned, &pairs[i]);
+        const pl_planned_run planned = pl_plan_run(how->plan, i);
+        pairs[i] = begin_pair(&w, &planned);
         total += pairs[i].is_due ? 1 + pairs[i].missing : 0;
     }
-    if (how->progress != NULL) {
-        w.bar = pl_progress_begin(how->progress, total, pl_monotonic_seconds());
-    }
+    w.bar = pl_progress_begin(how->progress, total, pl_monotonic_seconds());
     for (long i = 0; i < count; ++i) {
         if (pairs[i].is_due && status == PL_OK && *signal_number == 0) {
-            status = make_pair(&w, &pairs[i], error);
+            status = make_pair(&pairs[i], error);
         }
         end_pair(&pairs[i]);
     }
-    if (how->progress != NULL) {
-        pl_progress_end(&w.bar);
-    }
+    pl_progress_end(&w.bar);
     json_decref(w.made);
     free(pairs);
     return status;

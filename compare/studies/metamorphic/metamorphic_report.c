@@ -1,5 +1,4 @@
 /* What the results of metamorphic checks say: plumb.metamorphic/1, and the document. */
-#include "agreement.h"
 #include "base/heap.h"
 #include "metamorphic.h"
 
@@ -25,20 +24,18 @@ static json_t *difference_of(const json_t *agreement, const char *key, const cha
 /* A check of a plain run, by its result. */
 static json_t *conclude_check(const char *check, const json_t *result)
 {
-    const json_t *agreement = json_object_get(result, "agreement"),
-                 *end = json_object_get(agreement, "end");
+    const json_t *agreement = json_object_get(result, "agreement");
+    const char *at_end = pl_study_text(agreement, "end.verdict");
     const bool is_inapplicable = is_outcome(result, "unsupported");
     const bool ended = is_outcome(result, "ok") || is_outcome(result, "collapsed");
-    const char *verdict = end != NULL       ? pl_json_get_text(end, "verdict")
-                          : is_inapplicable ? pl_grade_name(PL_GRADE_INAPPLICABLE)
-                                            : pl_grade_name(PL_GRADE_FAILED);
+    const char *verdict = at_end[0] != '\0' ? at_end : is_inapplicable ? "inapplicable" : "failed";
     char *reason = NULL;
     if (is_inapplicable) {
         reason = pl_heap_copy(pl_json_get_text(result, "reason"));
     } else if (!ended) {
         reason = pl_heap_format("transformed run %s: %s", pl_json_get_text(result, "outcome"),
                                 pl_json_get_text(result, "reason"));
-    } else if (end == NULL) {
+    } else if (at_end[0] == '\0') {
         reason = pl_heap_format("too few frames: %s", pl_json_get_text(agreement, "reason"));
     }
     json_t *passes_at = json_object_get(agreement, "passes_at");
@@ -54,20 +51,14 @@ static json_t *conclude_check(const char *check, const json_t *result)
 /* plumb.metamorphic/1 of a plain run; `results` has those of its checks by their names. */
 static json_t *conclude_run(const json_t *plain, const json_t *results)
 {
-    static const char *const kept[] = {
-        "scenario",      "params",      "scene_hash",  "engine",         "engine_version",
-        "engine_binary", "engine_spec", "profile",     "engine_runtime", "threads",
-        "as_shipped",    "label",       "settings",    "seed",           "primary_error",
-        "run",           "acceptance",  "conformance", "outcome",        "reason"};
+    static const char *const more[] = {"scene_hash", "run", "outcome", "reason", NULL};
     int count = 0;
     const pl_check *checks = pl_checks(&count);
     json_t *found = json_array();
-    json_t *row =
-        json_pack("{s:s, s:O, s:o}", "schema", "plumb.metamorphic/1", "size",
-                  json_object_get(json_object_get(plain, "agreement"), "size"), "checks", found);
-    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; ++i) {
-        json_object_set(row, kept[i], json_object_get(plain, kept[i]));
-    }
+    json_t *row = pl_study_row(plain, more);
+    json_object_set_new(row, "schema", json_string("plumb.metamorphic/1"));
+    json_object_set(row, "size", pl_study_get(plain, "agreement.size"));
+    json_object_set_new(row, "checks", found);
     for (int i = 0; i < count; ++i) {
         const json_t *result = json_object_get(results, checks[i].name);
         if (result != NULL) {
@@ -75,16 +66,6 @@ static json_t *conclude_run(const json_t *plain, const json_t *results)
         }
     }
     return row;
-}
-
-/* Of plain runs that differ in nothing of these, the last one counts: the others are of an older edition of the scene. */
-static void add_plain(json_t *plains, json_t *result)
-{
-    static const char *const same[] = {"scenario", "params", "engine", "engine_binary",
-                                       "profile",  "label",  "seed",   NULL};
-    char *key = pl_study_key(result, same);
-    json_object_set(plains, key, result);
-    free(key);
 }
 
 static void add_check(json_t *checks, const char *plain, const char *check, json_t *result)
@@ -100,20 +81,20 @@ static void add_check(json_t *checks, const char *plain, const char *check, json
 static pl_status conclude(const json_t *results, const char *folder, json_t **conclusion,
                           pl_error *error)
 {
+    static const char *const same[] = {"scenario", "params", "engine", "engine_binary",
+                                       "profile",  "label",  "seed",   NULL};
     (void)folder;
-    json_t *plains = json_object(), *checks = json_object(), *result;
+    json_t *plains = json_array(), *checks = json_object(), *result;
     pl_status status = PL_OK;
     size_t index;
     const char *key;
     json_array_foreach((json_t *)results, index, result)
     {
-        const json_t *study = json_object_get(result, "study");
-        const char *plain = pl_json_get_text(study, "plain");
-        const json_t *size = json_object_get(json_object_get(result, "agreement"), "size");
+        const char *plain = pl_study_text(result, "study.plain");
         if (plain[0] != '\0') {
-            add_check(checks, plain, pl_json_get_text(study, "check"), result);
-        } else if (json_is_number(size)) {
-            add_plain(plains, result);
+            add_check(checks, plain, pl_study_text(result, "study.check"), result);
+        } else if (json_is_number(pl_study_get(result, "agreement.size"))) {
+            json_array_append(plains, result);
         } else {
             status = pl_fail(error, PL_BAD_INPUT,
                              "results[%zu]: expected a metamorphic check, with study.plain or "
@@ -123,13 +104,17 @@ static pl_status conclude(const json_t *results, const char *folder, json_t **co
         }
     }
     if (status == PL_OK) {
+        json_t *groups = pl_study_groups(plains, same), *group;
         *conclusion = json_array();
-        json_object_foreach(plains, key, result)
+        json_object_foreach(groups, key, group)
         {
+            /* The last one counts: the others are of an older edition of the scene. */
+            result = json_array_get(group, json_array_size(group) - 1);
             json_array_append_new(
                 *conclusion,
                 conclude_run(result, json_object_get(checks, pl_json_get_text(result, "run"))));
         }
+        json_decref(groups);
     }
     json_decref(plains);
     json_decref(checks);
@@ -153,18 +138,15 @@ static const json_t *check_of(const json_t *row, const char *name)
 
 static void add_verdict(pl_table *table, const char *verdict)
 {
-    static const struct {
-        pl_grade grade;
-        const char *style;
-    } styles[] = {{PL_GRADE_BITWISE, "ok"},
-                  {PL_GRADE_EXACT, "ok"},
-                  {PL_GRADE_DIFFERS, "poor"},
-                  {PL_GRADE_FAILED, "bad"},
-                  {PL_GRADE_INAPPLICABLE, "none"}};
+    static const char *const styles[][2] = {{"bitwise", "ok"},
+                                            {"exact", "ok"},
+                                            {"differs", "poor"},
+                                            {"failed", "bad"},
+                                            {"inapplicable", "none"}};
     pl_table_add(table, verdict);
     for (size_t i = 0; i < sizeof styles / sizeof styles[0]; ++i) {
-        if (strcmp(verdict, pl_grade_name(styles[i].grade)) == 0) {
-            pl_table_style(table, styles[i].style);
+        if (strcmp(verdict, styles[i][0]) == 0) {
+            pl_table_style(table, styles[i][1]);
         }
     }
 }
@@ -198,7 +180,7 @@ static void add_verdicts(pl_document *document, const json_t *rows)
             const bool has_failed =
                 check == NULL && json_array_size(json_object_get(row, "checks")) == 0;
             add_verdict(&table, check != NULL ? pl_json_get_text(check, "verdict")
-                                : has_failed  ? pl_grade_name(PL_GRADE_FAILED)
+                                : has_failed  ? "failed"
                                               : "-");
         }
     }
@@ -207,12 +189,11 @@ static void add_verdicts(pl_document *document, const json_t *rows)
 
 static void add_difference(pl_table *table, const json_t *difference)
 {
-    const json_t *position = json_object_get(difference, "position"),
-                 *rotation = json_object_get(difference, "rotation");
-    pl_table_format_cell(table, "%.1e",
-                         json_is_null(position) ? HUGE_VAL : json_number_value(position));
-    pl_table_format_cell(table, "%.1e",
-                         json_is_null(rotation) ? HUGE_VAL : json_number_value(rotation));
+    static const char *const keys[] = {"position", "rotation"};
+    for (int i = 0; i < 2; ++i) {
+        const double off = pl_study_number(difference, keys[i]);
+        pl_table_format_cell(table, "%.1e", isnan(off) ? HUGE_VAL : off);
+    }
     add_verdict(table, pl_json_get_text(difference, "verdict"));
 }
 
@@ -226,7 +207,7 @@ static void add_span(pl_table *table, const char *verdict, const char *reason)
 static void add_check_row(pl_table *table, const char *label, const json_t *check)
 {
     const char *reason = pl_json_get_text(check, "reason");
-    const json_t *passes_at = json_object_get(check, "passes_at");
+    const double passes_at = pl_study_number(check, "passes_at");
     pl_table_add(table, label);
     pl_table_add(table, pl_json_get_text(check, "check"));
     if (reason[0] != '\0') {
@@ -235,10 +216,10 @@ static void add_check_row(pl_table *table, const char *label, const json_t *chec
     }
     add_difference(table, json_object_get(check, "early"));
     add_difference(table, json_object_get(check, "end"));
-    if (json_is_number(passes_at)) {
-        pl_table_format_cell(table, "%.3g s", json_number_value(passes_at));
-    } else {
+    if (isnan(passes_at)) {
         pl_table_add(table, "never");
+    } else {
+        pl_table_format_cell(table, "%.3g s", passes_at);
     }
 }
 
@@ -263,7 +244,7 @@ static void add_differences(pl_document *document, const json_t *rows)
                 pl_heap_format("plain run %s: %s", outcome, pl_json_get_text(row, "reason"));
             pl_table_add(&table, label);
             pl_table_add(&table, "all");
-            add_span(&table, pl_grade_name(PL_GRADE_FAILED), plain);
+            add_span(&table, "failed", plain);
             free(plain);
         }
     }
@@ -276,14 +257,13 @@ static void add_differences(pl_document *document, const json_t *rows)
 /* The rows of one scene. */
 static void add_scene(pl_document *document, const json_t *rows)
 {
-    const json_t *first = json_array_get(rows, 0), *settings = json_object_get(first, "settings");
+    const json_t *first = json_array_get(rows, 0);
     char *params = pl_study_params(json_object_get(first, "params"));
     pl_document_heading(document, "%s", pl_json_get_text(first, "scenario"));
     pl_document_paragraph(document, "%s%sSize %.4g m, time step %.4g s, duration %.4g s.", params,
-                          params[0] == '\0' ? "" : ". ",
-                          json_number_value(json_object_get(first, "size")),
-                          json_number_value(json_object_get(settings, "dt")),
-                          json_number_value(json_object_get(settings, "duration")));
+                          params[0] == '\0' ? "" : ". ", pl_study_number(first, "size"),
+                          pl_study_number(first, "settings.dt"),
+                          pl_study_number(first, "settings.duration"));
     if (json_array_size(rows) > 1) {
         add_verdicts(document, rows);
     }
@@ -294,19 +274,9 @@ static void add_scene(pl_document *document, const json_t *rows)
 static void fill_document(const json_t *conclusion, pl_document *document)
 {
     static const char *const same[] = {"scenario", "params", "seed", NULL};
-    json_t *scenes = json_object(), *rows, *row;
-    size_t index;
+    json_t *scenes = pl_study_groups(conclusion, same), *rows;
     const char *key;
     document->title = "Metamorphic checks: scenes that must move in the same way";
-    json_array_foreach((json_t *)conclusion, index, row)
-    {
-        char *text = pl_study_key(row, same);
-        if (json_object_get(scenes, text) == NULL) {
-            json_object_set_new(scenes, text, json_array());
-        }
-        json_array_append(json_object_get(scenes, text), row);
-        free(text);
-    }
     json_object_foreach(scenes, key, rows)
     {
         add_scene(document, rows);

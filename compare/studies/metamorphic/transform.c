@@ -50,35 +50,6 @@ pl_transform pl_transform_mirror(void)
     return t;
 }
 
-pl_transform pl_transform_scaling(double scale)
-{
-    pl_transform t = pl_transform_identity();
-    t.scale = scale;
-    return t;
-}
-
-pl_transform pl_transform_shift(double x, double y, double z)
-{
-    pl_transform t = pl_transform_identity();
-    pl_vec_store((pl_vec){x, y, z}, t.shift);
-    return t;
-}
-
-pl_transform pl_transform_order(pl_body_order order)
-{
-    pl_transform t = pl_transform_identity();
-    t.order = order;
-    return t;
-}
-
-pl_transform pl_transform_copy(const double offset[3])
-{
-    pl_transform t = pl_transform_identity();
-    t.has_copy = true;
-    memcpy(t.copy_offset, offset, sizeof t.copy_offset);
-    return t;
-}
-
 static int greatest_common_divisor(int a, int b)
 {
     while (b != 0) {
@@ -178,6 +149,24 @@ void pl_transform_state_back(const pl_transform *transform, const pl_body_state 
         const double back[4] = {t->turn[0], -t->turn[1], -t->turn[2], -t->turn[3]};
         multiply(back, from->orientation, to->orientation);
     }
+}
+
+pl_body_state pl_body_start(const pl_body *body)
+{
+    pl_body_state state;
+    memcpy(state.position, body->position, sizeof state.position);
+    memcpy(state.orientation, body->orientation, sizeof state.orientation);
+    memcpy(state.velocity, body->velocity, sizeof state.velocity);
+    memcpy(state.angular_velocity, body->angular_velocity, sizeof state.angular_velocity);
+    return state;
+}
+
+void pl_body_set_start(pl_body *body, const pl_body_state *state)
+{
+    memcpy(body->position, state->position, sizeof body->position);
+    memcpy(body->orientation, state->orientation, sizeof body->orientation);
+    memcpy(body->velocity, state->velocity, sizeof body->velocity);
+    memcpy(body->angular_velocity, state->angular_velocity, sizeof body->angular_velocity);
 }
 
 /* ---- Scenes ---- */
@@ -381,13 +370,8 @@ pl_status pl_restart_scene(const pl_scene *from, const pl_body_state *states, lo
         return status;
     }
     for (int i = 0; i < to->body_count; ++i) {
-        pl_body *body = &to->bodies[i];
-        if (!body->is_static) {
-            memcpy(body->position, states[i].position, sizeof body->position);
-            memcpy(body->orientation, states[i].orientation, sizeof body->orientation);
-            memcpy(body->velocity, states[i].velocity, sizeof body->velocity);
-            memcpy(body->angular_velocity, states[i].angular_velocity,
-                   sizeof body->angular_velocity);
+        if (!to->bodies[i].is_static) {
+            pl_body_set_start(&to->bodies[i], &states[i]);
         }
     }
     move_forces(to, (double)step * to->dt);

@@ -31,15 +31,13 @@ pl_transform pl_transform_identity(void);
 
 /* A rotation about axis 0, 1 or 2 (x, y, z) by `eighths` of a turn, -7 .. 7. */
 pl_transform pl_transform_rotation(int axis, int eighths);
-pl_transform pl_transform_mirror(void); /* y -> -y */
-/* Lengths times `scale` > 0. */
-pl_transform pl_transform_scaling(double scale);
-/* A translation, m. */
-pl_transform pl_transform_shift(double x, double y, double z);
-/* Another order of the bodies. */
-pl_transform pl_transform_order(pl_body_order order);
-/* A second copy of all bodies except planes, moved by `offset` (m). */
-pl_transform pl_transform_copy(const double offset[3]);
+
+/* y -> -y */
+pl_transform pl_transform_mirror(void);
+
+/* The state in which a body starts, and a body that starts in a state. */
+pl_body_state pl_body_start(const pl_body *body);
+void pl_body_set_start(pl_body *body, const pl_body_state *state);
 
 /* A deep copy of a valid scene, without its expectations. Forces come in the order of their bodies; polyhedra
  * with neither a name nor a body are left out. The caller frees *to, which is left empty on failure. */
@@ -72,5 +70,46 @@ double pl_scene_size(const pl_scene *scene);
  * of the scene maps to itself along it. It is horizontal where possible. False when there is none,
  * because planes face all directions. */
 bool pl_far_offset(const pl_scene *scene, double sizes, double offset[3]);
+
+/* ---- Other forms of the same static boxes ----
+ *
+ * The solid that bodies meet stays the same, so that their motion must too. */
+
+/* The number of static boxes of a scene. */
+int pl_static_box_count(const pl_scene *scene);
+
+/* The scene with each static box split in two flush boxes of half the size along its own axis 0, 1 or 2
+ * (x, y, z). The second halves follow all other bodies. Without the original's expectations. The caller
+ * frees *to, which is left empty on failure. PL_BAD_INPUT when there are too many bodies, or
+ * their names are taken. */
+pl_status pl_split_boxes(const pl_scene *from, int axis, pl_scene *to, pl_error *error);
+
+/* The scene with a closed mesh in the place of each static box, whose faces are divided into n x n
+ * rectangles of two triangles. Otherwise as pl_split_boxes; PL_BAD_INPUT when there are too many
+ * triangles. */
+pl_status pl_tessellate_boxes(const pl_scene *from, int n, pl_scene *to, pl_error *error);
+
+/* ---- Late starts ----
+ *
+ * A later run makes its steps at other times, and must follow the same path. */
+
+/* The scene that starts `fraction` (0 to 1) of a step later and ends at a whole step before its end, without the
+ * original's expectations, if the motion of every dynamic body is known over that time. It is for bodies
+ *
+ *   in free flight: they reach no other body in that time, and do not spin or keep their spin (it is
+ *     along a principal axis, or the principal moments are equal);
+ *   at rest: they do not move, and the scene expects that they stay;
+ *   in uniform motion on static bodies whose flat, level tops are at one height: they slide without
+ *     friction and without spin, or are spheres that roll.
+ *
+ * A scene with forces has none. Where it is not known, *reason says why, in static storage, and else is NULL. The caller
+ * frees *to, which is left empty without such a scene. */
+pl_status pl_late_start(const pl_scene *from, double fraction, pl_scene *to, const char **reason,
+                        pl_error *error);
+
+/* The state of a body `fraction` of a step of dt (s) after `now`, with the mean accelerations of the step to
+ * `next`: exact under constant forces. */
+void pl_state_between(const pl_body *body, const pl_body_state *now, const pl_body_state *next,
+                      double dt, double fraction, pl_body_state *at);
 
 #endif

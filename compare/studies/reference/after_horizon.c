@@ -61,8 +61,8 @@ static pl_status run_crowd(const pl_reference_def *def, crowd *c, int *signal_nu
         execution.bar->total += pl_plan_size(&c->plan);
     }
     for (int i = 0; i < c->ensembles.count; ++i) {
-        json_array_append_new(
-            c->runs, pl_member_runs(&c->plan, &c->ensembles.items[i], PL_REFERENCE_MEMBERS));
+        json_array_append_new(c->runs,
+                              pl_member_runs(&c->plan, &c->ensembles, &c->ensembles.items[i]));
     }
     return pl_execute(&execution, signal_number, error);
 }
@@ -71,7 +71,7 @@ static void free_crowd(crowd *c)
 {
     json_decref(c->runs);
     json_decref(c->results);
-    pl_ensembles_free(&c->ensembles);
+    free(c->ensembles.items);
     pl_plan_free(&c->plan);
 }
 
@@ -168,14 +168,15 @@ static void test_ends(const crowd *own, const crowd *others, const pl_reference 
 /* Whether the members of the reference part. */
 static void find_parting(const crowd *own, const char *folder, pl_after_horizon *after)
 {
-    const pl_case *first = &own->plan.cases[own->ensembles.items[0].cases[0]];
-    pl_horizon horizon;
-    pl_horizon_find(folder, json_array_get(own->runs, 0), pl_scene_least_size(&first->scene),
-                    &horizon);
-    if (horizon.known && isfinite(horizon.time)) {
-        after->parted = horizon.time;
+    const pl_case *first = &own->plan.cases[own->ensembles.items[0].first];
+    json_t *horizon =
+        pl_horizon_find(folder, json_array_get(own->runs, 0), pl_scene_least_size(&first->scene));
+    const json_t *time = json_object_get(horizon, "time");
+    if (json_is_number(time)) {
+        after->parted = json_number_value(time);
         after->chaotic = true;
     }
+    json_decref(horizon);
 }
 
 static pl_status compare_crowds(const pl_reference_def *def, const pl_reference_verdict *verdict,

@@ -4,7 +4,7 @@
 #define PLUMB_SWEEP_DRAWN_SETTINGS_H
 
 #include "runner/plan.h"
-#include "studies/design.h"
+#include "studies/tunable.h"
 
 /* The settings of all engines, which take turns. */
 typedef struct pl_drawn_settings {

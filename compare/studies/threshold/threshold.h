@@ -13,10 +13,9 @@
 json_t *pl_threshold_study_of(const pl_scenario *scenario, const pl_threshold *threshold,
                               const double *params);
 
-/* Makes the trials of all searches: of each case of the plan, with its `study`, on each configuration. `how` has
- * everything but the plan. A signal ends the search as in pl_execute. */
-pl_status pl_threshold_run(const pl_plan *plan, const pl_execution_def *how, int *signal_number,
-                           pl_error *error);
+/* Makes the trials of all searches: of each case of how->plan that has a `study`, on each configuration. A signal ends
+ * the search as in pl_execute. */
+pl_status pl_threshold_run(const pl_execution_def *how, int *signal_number, pl_error *error);
 
 /* The study: its conclusion is an array of plumb.threshold/1 (results/SCHEMA.md). */
 extern const pl_study pl_threshold_study;

@@ -3,7 +3,7 @@
 #ifndef PLUMB_TUNE_SPACE_H
 #define PLUMB_TUNE_SPACE_H
 
-#include "studies/design.h"
+#include "studies/tunable.h"
 #include "tune_search.h"
 
 #include <jansson.h>

@@ -3,7 +3,7 @@
 
 #include "base/heap.h"
 #include "base/random.h"
-#include "studies/design.h"
+#include "studies/tunable.h"
 
 #include <math.h>
 #include <nlopt.h>
