@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static int compare_numbers(const void *left, const void *right)
+int pl_compare_numbers(const void *left, const void *right)
 {
     double a = *(const double *)left, b = *(const double *)right;
     return (a > b) - (a < b);
@@ -13,7 +13,7 @@ void pl_sort_numbers(double *values, int count)
 {
     /* Most samples are a few repeats, for which insertion is faster than qsort. */
     if (count > 16) {
-        qsort(values, (size_t)count, sizeof *values, compare_numbers);
+        qsort(values, (size_t)count, sizeof *values, pl_compare_numbers);
         return;
     }
     for (int i = 1; i < count; ++i) {

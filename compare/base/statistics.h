@@ -2,6 +2,10 @@
 #ifndef PLUMB_STATISTICS_H
 #define PLUMB_STATISTICS_H
 
+/* A comparator for qsort of doubles, ascending; NAN equals every number, so leave it out. Records
+ * that begin with the double that they are ordered by can be sorted with it too. */
+int pl_compare_numbers(const void *left, const void *right);
+
 /* Sorts `values` ascending. */
 void pl_sort_numbers(double *values, int count);
 

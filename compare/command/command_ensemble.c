@@ -1,7 +1,7 @@
 /* plumb ensemble: engines compared where motion is chaotic, so that no single trajectory is right,
  * by the distributions of the end states of many runs from almost the same start. */
 #include "base/heap.h"
-#include "base/thread_pool.h"
+#include "base/parallel.h"
 #include "runner/positions.h"
 #include "studies/ensemble/ensemble.h"
 #include "studies/ensemble/verdict.h"

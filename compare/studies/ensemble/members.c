@@ -43,6 +43,13 @@ static pl_status add_member(const pl_members_def *def, int row, int member, pl_p
     return status;
 }
 
+static pl_status take_result(void *user, json_t *result, pl_error *error)
+{
+    (void)error;
+    *(json_t **)user = json_incref(result);
+    return PL_OK;
+}
+
 /* Raises the engine's iterations, where it has that option and its profile takes the value, which a run of
  * one step shows. */
 static pl_status strengthen(const pl_case *test_case, pl_configuration *configuration,
@@ -55,14 +62,19 @@ static pl_status strengthen(const pl_case *test_case, pl_configuration *configur
     }
     pl_case short_case = *test_case;
     pl_configuration stronger = *configuration;
-    const pl_execution_def def = {.plan = &(pl_plan){.seed = 0}, .limits = {.timeout = 60}};
     json_t *result = NULL;
     int signal_number = 0;
     double *value = &stronger.choice.values[option];
     *value = fmin(PL_MORE_ITERATIONS * *value, engine->options[option].max);
     short_case.scene.duration = short_case.scene.dt;
-    const pl_status status =
-        pl_execute_one(&def, &short_case, &stronger, &result, &signal_number, error);
+    const pl_plan plan = {.cases = &short_case,
+                          .case_count = 1,
+                          .configurations = &stronger,
+                          .configuration_count = 1,
+                          .repeats = 1};
+    const pl_execution_def def = {
+        .plan = &plan, .jobs = 1, .limits = {.timeout = 60}, .user = &result, .take = take_result};
+    const pl_status status = pl_execute(&def, &signal_number, error);
     if (signal_number != 0) {
         raise(signal_number);
     }
