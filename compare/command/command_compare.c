@@ -31,7 +31,7 @@ static void print_table(const pl_result_table *results)
     const char *plain = getenv("NO_COLOR");
     bool terminal = isatty(STDOUT_FILENO) == 1;
     pl_report_print(stdout, results, terminal && (plain == NULL || plain[0] == '\0'),
-                          pl_window_width(stdout));
+                    pl_window_width(stdout));
 }
 
 /* Report, --json and table, of the results in the store that are of no study; the table last, because a reader of it

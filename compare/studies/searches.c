@@ -1,7 +1,5 @@
 #include "searches.h"
 
-#include "base/heap.h"
-
 #include <string.h>
 
 /* A trial may belong to several searches: two labels of one engine. */
@@ -49,10 +47,11 @@ static pl_status add_trial(pl_searches *all, int search, pl_plan *round, pl_erro
         return pl_fail(error, PL_FAILED, "%s: %s=%.17g gives the scene of another value",
                        scenario->name, scenario->params[s->param].name, value);
     }
-    const pl_planned_run planned = {.test_case = &round->cases[index], .configuration = &trial};
+    const int configuration = pl_plan_add_choice(round, &trial.choice, trial.label);
+    const pl_planned_run planned = {.test_case = &round->cases[index],
+                                    .configuration = &round->configurations[configuration]};
     pl_planned_run_hash(round, &planned, s->run);
-    pl_push(&round->configurations, &round->configuration_count, &trial, sizeof trial);
-    pl_plan_add_pairing(round, index, round->configuration_count - 1);
+    pl_plan_add_pairing(round, index, configuration);
     return PL_OK;
 }
 
