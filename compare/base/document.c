@@ -237,6 +237,22 @@ char *pl_document_markdown(const pl_document *document)
     return write_all(document, 0);
 }
 
+char *pl_document_csv(const pl_document *document)
+{
+    pl_text_buffer out = {0};
+    for (int i = 0; i < document->count; ++i) {
+        const pl_block *block = &document->blocks[i];
+        if (block->kind == PL_BLOCK_HEADING || block->kind == PL_BLOCK_TABLE) {
+            pl_text_add_csv(&out, block->text);
+            pl_text_add(&out, "\r\n");
+        }
+        if (block->kind == PL_BLOCK_TABLE) {
+            pl_table_write(&block->table, PL_TABLE_CSV, &out);
+        }
+    }
+    return pl_text_take(&out);
+}
+
 /* ---- JSON ---- */
 
 /* A cell is its text, null below a span, or {"text", "style", "span"}. */

@@ -95,7 +95,7 @@ char *pl_document_text(const pl_document *document, int width);
 /* As GitHub Flavored Markdown: every text is escaped, and so stays a text. */
 char *pl_document_markdown(const pl_document *document);
 
-/* All tables as CSV, each after its caption on a line, with an empty line between two. */
+/* All tables as CSV, each after a line with its caption, those of a section after a line with its heading. */
 char *pl_document_csv(const pl_document *document);
 
 /* {"title", "sections": [{"title", "blocks": [...]}]}: a block is {"text"}, {"item"}, {"caption", "columns", "most", "rows"}

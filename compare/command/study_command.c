@@ -39,21 +39,26 @@ pl_status pl_study_write_page(const char *directory, const pl_study *study,
     return status;
 }
 
-/* NAME.json, NAME.md and NAME.html. */
+/* NAME.json, NAME.md, NAME.csv and NAME.html. */
 static pl_status write_files(const pl_request *request, const pl_study *study,
                              const json_t *conclusion, const pl_document *document, pl_error *error)
 {
     char *path = pl_heap_format("%s/%s.json", request->out, study->name);
     char *markdown = pl_document_markdown(document);
+    char *csv = pl_document_csv(document);
     pl_status status = pl_results_write_json(path, conclusion, error);
     if (status == PL_OK) {
         status = write_file(request->out, study, "md", markdown, error);
+    }
+    if (status == PL_OK) {
+        status = write_file(request->out, study, "csv", csv, error);
     }
     if (status == PL_OK) {
         status = write_page(request->out, study, document, error);
     }
     free(path);
     free(markdown);
+    free(csv);
     return status;
 }
 

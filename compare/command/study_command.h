@@ -1,5 +1,5 @@
 /* How the command of a study runs: one way for all of them. Results are in DIR/results.jsonl, and the conclusion in
- * DIR/NAME.json, NAME.md and NAME.html. */
+ * DIR/NAME.json, NAME.md, NAME.csv and NAME.html. */
 #ifndef PLUMB_STUDY_COMMAND_H
 #define PLUMB_STUDY_COMMAND_H
 

@@ -15,7 +15,7 @@
 
 /* A kind of study. */
 typedef struct pl_study {
-    const char *name; /* of its command, and of its files NAME.json, NAME.md, NAME.html */
+    const char *name; /* of its command, and of its files NAME.json, NAME.md, NAME.csv, NAME.html */
     const char *kind; /* of its conclusion, plumb.KIND/1 */
     /* Makes the conclusion from an array of results of the study, oldest first. `folder` has the files
      * that runs left next to results.jsonl. The conclusion is a new reference. PL_BAD_INPUT: a result lacks what the study needs.
