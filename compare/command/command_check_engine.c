@@ -26,23 +26,34 @@ typedef struct checking {
     json_t *list; /* an item for each engine that was checked */
 } checking;
 
-static pl_status check_names(const options *o, pl_error *error)
+static bool is_among(const pl_texts *names, const char *name)
 {
-    for (int i = 0; i < o->checks.count; ++i) {
-        const char *names[256];
-        int count = 0;
-        bool is_known = false;
-        for (; count < pl_conformance_count() && count < 256; ++count) {
-            names[count] = pl_conformance_name(count);
-            is_known = is_known || strcmp(names[count], o->checks.items[i]) == 0;
-        }
-        if (!is_known) {
-            char hint[PL_SUGGESTION_SIZE];
-            return pl_fail(error, PL_BAD_INPUT, "there is no check \"%s\"%s", o->checks.items[i],
-                           pl_did_you_mean(o->checks.items[i], names, count, hint));
+    for (int i = 0; i < names->count; ++i) {
+        if (strcmp(names->items[i], name) == 0) {
+            return true;
         }
     }
-    return PL_OK;
+    return false;
+}
+
+static pl_status check_names(const options *o, pl_error *error)
+{
+    pl_texts known = {.items = NULL};
+    pl_status status = PL_OK;
+    const pl_check *check;
+    for (int i = 0; (check = pl_conformance_check(i)) != NULL; ++i) {
+        pl_texts_add(&known, check->name);
+    }
+    for (int i = 0; i < o->checks.count && status == PL_OK; ++i) {
+        const char *name = o->checks.items[i];
+        if (!is_among(&known, name)) {
+            char hint[PL_SUGGESTION_SIZE];
+            status = pl_fail(error, PL_BAD_INPUT, "there is no check \"%s\"%s", name,
+                             pl_did_you_mean(name, known.items, known.count, hint));
+        }
+    }
+    free(known.items);
+    return status;
 }
 
 static pl_status check(void *user, pl_error *error)
@@ -56,46 +67,49 @@ static pl_status check(void *user, pl_error *error)
     return check_names(o, error);
 }
 
-static bool is_asked(const options *o, int index)
-{
-    bool asked = o->checks.count == 0;
-    for (int i = 0; i < o->checks.count; ++i) {
-        asked = asked || strcmp(o->checks.items[i], pl_conformance_name(index)) == 0;
-    }
-    return asked;
-}
-
 static void print_list(void)
 {
     pl_table table = {0};
+    const pl_check *check;
     pl_table_columns(&table, "check|what must hold");
-    for (int i = 0; i < pl_conformance_count(); ++i) {
-        pl_table_add(&table, pl_conformance_name(i));
-        pl_table_add(&table, pl_conformance_title(i));
+    for (int i = 0; (check = pl_conformance_check(i)) != NULL; ++i) {
+        pl_table_add(&table, check->name);
+        pl_table_add(&table, check->title);
     }
     pl_table_print(&table, stdout);
     pl_table_free(&table);
 }
 
-static const char *const outcome_names[] = {
-    [PL_CHECK_PASSED] = "passed", [PL_CHECK_FAILED] = "failed", [PL_CHECK_SKIPPED] = "skipped"};
+/* What each outcome is called in a file and in a list. */
+static const struct {
+    const char *name, *mark;
+} outcomes[] = {[PL_CHECK_PASSED] = {"passed", "ok"},
+                [PL_CHECK_FAILED] = {"failed", "FAIL"},
+                [PL_CHECK_SKIPPED] = {"skipped", "skip"}};
+
+/* The texts of a result by their names. */
+static const struct {
+    const char *name;
+    size_t offset;
+} texts[] = {{"expected", offsetof(pl_check_result, expected)},
+             {"found", offsetof(pl_check_result, found)},
+             {"likely", offsetof(pl_check_result, cause)}};
+enum { TEXT_COUNT = sizeof texts / sizeof *texts };
+
+static const char *text_of(const pl_check_result *result, int index)
+{
+    return (const char *)result + texts[index].offset;
+}
 
 static void print_result(const pl_check_result *result)
 {
-    static const char *const marks[] = {
-        [PL_CHECK_PASSED] = "ok", [PL_CHECK_FAILED] = "FAIL", [PL_CHECK_SKIPPED] = "skip"};
-    const struct {
-        const char *title, *text;
-    } texts[] = {
-        {"expected", result->expected}, {"found", result->found}, {"likely", result->cause}};
-    const bool failed = result->outcome == PL_CHECK_FAILED;
     pl_folding folding;
     FILE *out = pl_folding_begin(&folding, stdout);
-    fprintf(out, "  %-4s  %-22s  %s\n", marks[result->outcome], result->name,
-            result->outcome == PL_CHECK_SKIPPED ? result->found : result->title);
-    for (size_t i = 0; failed && i < sizeof texts / sizeof *texts; ++i) {
-        if (texts[i].text[0] != '\0') {
-            fprintf(out, "        %-8s  %s\n", texts[i].title, texts[i].text);
+    fprintf(out, "  %-4s  %-22s  %s\n", outcomes[result->outcome].mark, result->check->name,
+            result->outcome == PL_CHECK_SKIPPED ? result->found : result->check->title);
+    for (int i = 0; result->outcome == PL_CHECK_FAILED && i < TEXT_COUNT; ++i) {
+        if (text_of(result, i)[0] != '\0') {
+            fprintf(out, "        %-8s  %s\n", texts[i].name, text_of(result, i));
         }
     }
     pl_folding_end(&folding);
@@ -103,15 +117,11 @@ static void print_result(const pl_check_result *result)
 
 static json_t *result_json(const pl_check_result *result)
 {
-    json_t *object = json_pack("{s:s, s:s, s:s}", "check", result->name, "title", result->title,
-                               "outcome", outcome_names[result->outcome]);
-    const struct {
-        const char *key, *text;
-    } texts[] = {
-        {"expected", result->expected}, {"found", result->found}, {"likely", result->cause}};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
-        if (texts[i].text[0] != '\0') {
-            json_object_set_new(object, texts[i].key, pl_json_text(texts[i].text));
+    json_t *object = json_pack("{s:s, s:s, s:s}", "check", result->check->name, "title",
+                               result->check->title, "outcome", outcomes[result->outcome].name);
+    for (int i = 0; i < TEXT_COUNT; ++i) {
+        if (text_of(result, i)[0] != '\0') {
+            json_object_set_new(object, texts[i].name, pl_json_text(text_of(result, i)));
         }
     }
     return object;
@@ -137,22 +147,22 @@ static void take_result(checking *c, const pl_engine_choice *choice, const pl_ch
 static pl_status run_checks(checking *c, const pl_engine_choice *choice, json_t *results,
                             int counts[3], pl_error *error)
 {
+    static const pl_check load = {.name = "load", .title = "the engine can be loaded and asked"};
     pl_status status = PL_OK;
+    const pl_check *check;
     if (choice->engine->fault.is_fault) {
-        pl_check_result result = {.name = "load",
-                                  .title = "the engine can be loaded and asked",
-                                  .outcome = PL_CHECK_FAILED,
-                                  .expected = "the engine describes itself"};
+        pl_check_result result = {
+            .check = &load, .outcome = PL_CHECK_FAILED, .expected = "the engine describes itself"};
         snprintf(result.found, sizeof result.found, "%.*s", (int)sizeof result.found - 1,
                  choice->engine->fault.reason);
         counts[PL_CHECK_FAILED] = 1;
         take_result(c, choice, &result, results);
         return PL_OK;
     }
-    for (int i = 0; i < pl_conformance_count() && status == PL_OK; ++i) {
+    for (int i = 0; (check = pl_conformance_check(i)) != NULL && status == PL_OK; ++i) {
         pl_check_result result;
-        if (is_asked(c->options, i)) {
-            status = pl_conformance_run(i, choice, &c->options->request.limits, &result, error);
+        if (c->options->checks.count == 0 || is_among(&c->options->checks, check->name)) {
+            status = pl_conformance_run(check, choice, &c->options->request.limits, &result, error);
             if (status == PL_OK) {
                 counts[result.outcome] += 1;
                 take_result(c, choice, &result, results);

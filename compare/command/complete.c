@@ -128,8 +128,9 @@ static void offer_metrics(completion *c)
 
 static void offer_checks(completion *c)
 {
-    for (int i = 0; i < pl_conformance_count(); ++i) {
-        offer(c, pl_conformance_name(i), "", pl_conformance_title(i));
+    const pl_check *check;
+    for (int i = 0; (check = pl_conformance_check(i)) != NULL; ++i) {
+        offer(c, check->name, "", check->title);
     }
 }
 

@@ -7,21 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The check of that index among all files' checks; NULL beyond the last. */
-static const pl_check *check_at(int index)
+const pl_check *pl_conformance_check(int index)
 {
-    static const pl_check *const files[] = {pl_state_checks,
-                                            pl_place_checks,
-                                            pl_motion_checks,
-                                            pl_mass_checks,
-                                            pl_claim_checks,
-                                            pl_shape_checks,
-                                            pl_material_checks,
-                                            pl_contact_checks,
-                                            pl_impulse_checks,
-                                            pl_conduct_checks,
-                                            NULL};
-    for (int i = 0; files[i] != NULL; ++i) {
+    static const pl_check *const files[] = {
+        pl_state_checks,   pl_place_checks,  pl_motion_checks,   pl_mass_checks,
+        pl_claim_checks,   pl_shape_checks,  pl_material_checks, pl_contact_checks,
+        pl_impulse_checks, pl_conduct_checks};
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
         for (const pl_check *check = files[i]; check->name != NULL; ++check, --index) {
             if (index == 0) {
                 return check;
@@ -29,25 +21,6 @@ static const pl_check *check_at(int index)
         }
     }
     return NULL;
-}
-
-int pl_conformance_count(void)
-{
-    int count = 0;
-    while (check_at(count) != NULL) {
-        ++count;
-    }
-    return count;
-}
-
-const char *pl_conformance_name(int index)
-{
-    return check_at(index)->name;
-}
-
-const char *pl_conformance_title(int index)
-{
-    return check_at(index)->title;
 }
 
 /* ---- In the check's process ---- */
@@ -109,11 +82,10 @@ static bool is_claimed(const pl_check *check, const pl_engine_info *engine, pl_c
     return false;
 }
 
-pl_status pl_conformance_run(int index, const pl_engine_choice *choice, const pl_limits *limits,
-                             pl_check_result *result, pl_error *error)
+pl_status pl_conformance_run(const pl_check *check, const pl_engine_choice *choice,
+                             const pl_limits *limits, pl_check_result *result, pl_error *error)
 {
-    const pl_check *check = check_at(index);
-    *result = (pl_check_result){.name = check->name, .title = check->title};
+    *result = (pl_check_result){.check = check};
     if (!is_claimed(check, choice->engine, result)) {
         return PL_OK;
     }

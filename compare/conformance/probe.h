@@ -19,17 +19,6 @@
 
 enum { PL_PROBE_MOST_BODIES = 16 };
 
-struct pl_probe;
-
-/* A check. */
-typedef struct pl_check {
-    const char *name, *title;
-    uint32_t needs;    /* PL_NEEDS_* without which the check is skipped */
-    uint32_t contacts; /* PL_CONTACTS_* without which it is skipped */
-    void (*run)(struct pl_probe *probe);
-    int variant; /* tells checks that share `run` from each other */
-} pl_check;
-
 /* A check in progress. */
 typedef struct pl_probe {
     const pl_check *check;
