@@ -50,6 +50,16 @@
         return &engine;                                                                            \
     }
 
+/* The index of a hull or a mesh among those of the scene; -1: it is none of them. */
+static inline int pl_polyhedron_index(const pl_scene *scene, const pl_polyhedron *polyhedron)
+{
+    int i = polyhedron == NULL ? -1 : scene->polyhedron_count - 1;
+    while (i >= 0 && scene->polyhedra[i] != polyhedron) {
+        --i;
+    }
+    return i;
+}
+
 /* Seconds since some time. */
 static inline double pl_seconds(void)
 {

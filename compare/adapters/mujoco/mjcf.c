@@ -1,7 +1,7 @@
 #include "mjcf.h"
 
+#include "adapters/native.h"
 #include "mujoco_sizes.h"
-#include "plumb/adapter_helpers.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -161,15 +161,6 @@ static void add_header(const mjcf_writer *w)
                    sizes.nconmax, sizes.nstack);
 }
 
-static int polyhedron_index(const pl_scene *scene, const pl_polyhedron *solid)
-{
-    int i = 0;
-    while (i < scene->polyhedron_count && scene->polyhedra[i] != solid) {
-        ++i;
-    }
-    return i;
-}
-
 /* The vertices stand in the principal frame, so that a geom of the mesh needs no pose of its own. */
 static void add_meshes(const mjcf_writer *w)
 {
@@ -274,7 +265,7 @@ static void add_shape(const mjcf_writer *w, const pl_shape *shape)
     case PL_SHAPE_HULL:
     case PL_SHAPE_MESH:
         pl_text_format(w->out, " type=\"mesh\" mesh=\"mesh%d\"",
-                       polyhedron_index(w->scene, shape->polyhedron));
+                       pl_polyhedron_index(w->scene, shape->polyhedron));
         return;
     }
 }

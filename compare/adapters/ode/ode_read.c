@@ -5,12 +5,8 @@
 
 const ode_solid *pl_ode_solid_of(const pl_engine_instance *instance, const pl_shape *shape)
 {
-    for (int i = 0; shape->polyhedron != NULL && i < instance->scene->polyhedron_count; ++i) {
-        if (instance->scene->polyhedra[i] == shape->polyhedron) {
-            return &instance->solids[i];
-        }
-    }
-    return NULL;
+    const int index = pl_polyhedron_index(instance->scene, shape->polyhedron);
+    return index < 0 ? NULL : &instance->solids[index];
 }
 
 void pl_ode_read_pose(const pl_engine_instance *instance, int body, double position[3],

@@ -2,6 +2,7 @@
 #include "adapter_plumb.h"
 
 #include "adapters/contact_problems.h"
+#include "adapters/native.h"
 #include "base/array.h"
 #include "plumb/contact_problem.h"
 #include "plumb/contact_times.h"
@@ -41,51 +42,25 @@ static pl_status translate(pe_status status, const pe_error *from, pl_error *err
     return pl_fail(error, status == PE_NO_MEMORY ? PL_NO_MEMORY : PL_FAILED, "%s", from->message);
 }
 
-/* Makes a geometry for each polyhedron of the scene. */
+/* Makes a geometry for each polyhedron of the scene, whose arrays the engine copies: its vectors are those of
+ * the engine, and no index is negative. */
 static pe_status add_geometries(pl_engine_instance *instance, pe_geometry_id *ids, pe_error *error)
 {
+    _Static_assert(sizeof(pe_vec3) == sizeof(double[3]), "a vector is three numbers");
     const pl_scene *scene = instance->scene;
     pe_status status = PE_OK;
     for (int i = 0; i < scene->polyhedron_count && status == PE_OK; ++i) {
         const pl_polyhedron *p = scene->polyhedra[i];
-        size_t triangle_count = (size_t)p->triangle_count;
-        pe_vec3 *vertices = calloc((size_t)p->vertex_count, sizeof *vertices);
-        uint32_t(*triangles)[3] = calloc(triangle_count, sizeof *triangles);
-        if (vertices == NULL || triangles == NULL) {
-            status = PE_NO_MEMORY;
-            *error = (pe_error){PE_NO_MEMORY, "no memory for the scene"};
-        }
-        for (int k = 0; k < p->vertex_count && status == PE_OK; ++k) {
-            vertices[k] = vector(p->vertices[k]);
-        }
-        for (size_t k = 0; k < 3 * triangle_count && status == PE_OK; ++k) {
-            triangles[k / 3][k % 3] = (uint32_t)p->triangles[k / 3][k % 3];
-        }
-        if (status == PE_OK) {
-            const pe_geometry_def def = {
-                .vertices = vertices,
-                .triangles = (const uint32_t(*)[3])triangles,
-                .vertex_count = p->vertex_count,
-                .triangle_count = p->triangle_count,
-                .convex = p->convex,
-            };
-            status = pe_geometry_create(instance->world, &def, &ids[i], error);
-        }
-        free(vertices);
-        free(triangles);
+        const pe_geometry_def def = {
+            .vertices = (const pe_vec3 *)p->vertices,
+            .triangles = (const uint32_t(*)[3])p->triangles,
+            .vertex_count = p->vertex_count,
+            .triangle_count = p->triangle_count,
+            .convex = p->convex,
+        };
+        status = pe_geometry_create(instance->world, &def, &ids[i], error);
     }
     return status;
-}
-
-static pe_geometry_id geometry_of(const pl_scene *scene, const pl_polyhedron *polyhedron,
-                                  const pe_geometry_id *ids)
-{
-    for (int i = 0; i < scene->polyhedron_count; ++i) {
-        if (scene->polyhedra[i] == polyhedron) {
-            return ids[i];
-        }
-    }
-    return (pe_geometry_id){0};
 }
 
 static pe_shape shape_of(const pl_scene *scene, const pl_shape *shape, const pe_geometry_id *ids)
@@ -96,6 +71,7 @@ static pe_shape shape_of(const pl_scene *scene, const pl_shape *shape, const pe_
         [PL_SHAPE_CYLINDER] = PE_SHAPE_CYLINDER, [PL_SHAPE_HULL] = PE_SHAPE_HULL,
         [PL_SHAPE_MESH] = PE_SHAPE_MESH,
     };
+    const int geometry = pl_polyhedron_index(scene, shape->polyhedron);
     return (pe_shape){
         .kind = kind_of[shape->kind],
         .normal = vector(shape->normal),
@@ -103,7 +79,7 @@ static pe_shape shape_of(const pl_scene *scene, const pl_shape *shape, const pe_
         .radius = shape->radius,
         .half_height = shape->half_height,
         .half_extents = vector(shape->half_extents),
-        .geometry = geometry_of(scene, shape->polyhedron, ids),
+        .geometry = geometry < 0 ? (pe_geometry_id){0} : ids[geometry],
     };
 }
 

@@ -47,14 +47,6 @@ struct pl_engine_instance {
     double time; /* s */
 };
 
-static bool accept(const json_t *answer, void *user, pl_diagnostic *diagnostic)
-{
-    (void)answer;
-    (void)user;
-    (void)diagnostic;
-    return true;
-}
-
 /* ---- The state ---- */
 
 static int contact_numbers(void)
@@ -142,7 +134,7 @@ static void process_destroy(pl_engine_instance *instance)
 {
     if (instance != NULL) {
         pl_channel_begin(&program.channel, "destroy");
-        (void)ask("destroy", accept, NULL, NULL);
+        (void)ask("destroy", NULL, NULL, NULL);
         free_instance(instance);
     }
 }

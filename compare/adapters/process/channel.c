@@ -167,7 +167,7 @@ static pl_status read_answer(const pl_channel *channel, const char *what, size_t
     }
     pl_diagnostic diagnostic = {.status = PL_OK};
     pl_status status = check_answer(channel, what, answer, error);
-    if (status == PL_OK && !read(answer, user, &diagnostic)) {
+    if (status == PL_OK && read != NULL && !read(answer, user, &diagnostic)) {
         char path[256];
         pl_path_text(&diagnostic.path, "the answer", path, sizeof path);
         status =

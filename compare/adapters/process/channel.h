@@ -46,7 +46,7 @@ double pl_cpu_time_of(pid_t pid);
 /* Begins the request of that name. Members are added to the result, each with a comma before it. */
 pl_text_buffer *pl_channel_begin(pl_channel *channel, const char *name);
 
-/* Sends the request and waits for the answer, which `read` gets. `what` is what messages call the
+/* Sends the request and waits for the answer, which `read` gets, if it is not NULL. `what` is what messages call the
  * request. PL_UNSUPPORTED: the program refuses, with its own reason. PL_BAD_INPUT: a member of the
  * answer is not right. PL_FAILED: the program reports an error, has ended, answers what is no
  * answer to this request, or holds more in the file of numbers than this process may have as memory.
