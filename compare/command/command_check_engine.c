@@ -80,7 +80,7 @@ static void print_list(void)
     pl_table_free(&table);
 }
 
-/* What each outcome is called in a file and in a list. */
+/* The words for each outcome, in a file and in a list. */
 static const struct {
     const char *name, *mark;
 } outcomes[] = {[PL_CHECK_PASSED] = {"passed", "ok"},
