@@ -1,19 +1,51 @@
 #include "hello.h"
 
 #include "base/json_field.h"
-#include "hello_words.h"
 #include "plumb/scenario.h"
 
 #include <math.h>
 #include <string.h>
 
+/* No text of an engine is longer in an answer. */
+enum { MOST_TEXT = 4096 };
+
 /* ---- Words ---- */
 
-/* The index of `word` among `words`, which end with NULL; -1: it is none of them. */
-static int find_word(const char *const *words, const char *word)
+static const char PROTOCOL[] = "plumb.engine/1";
+
+static const char *const precisions[] = {
+    [PL_PRECISION_DOUBLE] = "double", [PL_PRECISION_FLOAT] = "float", NULL};
+static const char *const integrators[] = {[PL_INTEGRATOR_UNKNOWN] = "unknown",
+                                          [PL_INTEGRATOR_SEMI_IMPLICIT_EULER] =
+                                              "semi-implicit Euler",
+                                          [PL_INTEGRATOR_EXPLICIT_EULER] = "explicit Euler",
+                                          [PL_INTEGRATOR_MIDPOINT] = "midpoint",
+                                          NULL};
+static const char *const gyroscopics[] = {[PL_GYROSCOPIC_UNKNOWN] = "unknown",
+                                          [PL_GYROSCOPIC_NONE] = "none",
+                                          [PL_GYROSCOPIC_EXPLICIT] = "explicit",
+                                          [PL_GYROSCOPIC_IMPLICIT] = "implicit",
+                                          NULL};
+static const char *const contacts[] = {"points", "impulses", "torques", NULL};
+static const char *const readings[] = {"settings", "pairs", NULL};
+
+/* The names that messages of the harness have for capabilities, bit by bit: words[32], then NULL. Bits without
+ * a name have an empty one. */
+static void list_capabilities(const char *words[33])
 {
-    for (int i = 0; words[i] != NULL; ++i) {
-        if (strcmp(words[i], word) == 0) {
+    for (int i = 0; i < 32; ++i) {
+        const char *name = pl_needs_name(1u << i);
+        words[i] = name == NULL ? "" : name;
+    }
+    words[32] = NULL;
+}
+
+/* The index of `word` among `words`, which end with NULL; -1: it is none of them. */
+static int find_word(const char *const *words, const json_t *word)
+{
+    const char *text = json_string_value(word);
+    for (int i = 0; text != NULL && text[0] != '\0' && words[i] != NULL; ++i) {
+        if (strcmp(words[i], text) == 0) {
             return i;
         }
     }
@@ -25,7 +57,9 @@ static bool unknown_word(const char *const *words, const json_t *found, pl_diagn
     char all[200] = "", text[PL_FOUND_SIZE];
     for (int i = 0; words[i] != NULL; ++i) {
         const size_t used = strlen(all);
-        snprintf(all + used, sizeof all - used, "%s\"%s\"", i == 0 ? "" : ", ", words[i]);
+        if (words[i][0] != '\0') {
+            snprintf(all + used, sizeof all - used, "%s\"%s\"", i == 0 ? "" : ", ", words[i]);
+        }
     }
     return pl_diagnose(diagnostic, "expected one of %s, found %s", all, pl_json_found(found, text));
 }
@@ -39,7 +73,7 @@ static bool read_word(const json_t *object, const char *key, const char *const *
         return true;
     }
     pl_path_push_key(&diagnostic->path, key);
-    *index = json_is_string(found) ? find_word(words, json_string_value(found)) : -1;
+    *index = find_word(words, found);
     if (*index < 0) {
         return unknown_word(words, found, diagnostic);
     }
@@ -60,7 +94,7 @@ static bool read_words(const json_t *object, const char *key, const char *const 
     pl_path_push_key(&diagnostic->path, key);
     json_array_foreach(array, i, item)
     {
-        const int index = json_is_string(item) ? find_word(words, json_string_value(item)) : -1;
+        const int index = find_word(words, item);
         pl_path_push_index(&diagnostic->path, (int)i);
         if (index < 0) {
             return unknown_word(words, item, diagnostic);
@@ -69,28 +103,6 @@ static bool read_words(const json_t *object, const char *key, const char *const 
         pl_path_pop(&diagnostic->path);
     }
     pl_path_pop(&diagnostic->path);
-    return true;
-}
-
-/* Capabilities have the names that messages of the harness use. */
-static bool read_capabilities(const json_t *answer, uint32_t *capabilities,
-                              pl_diagnostic *diagnostic)
-{
-    const char *words[33] = {NULL};
-    uint32_t bits_of[32], bits = 0;
-    int count = 0;
-    for (uint32_t bit = 1; bit != 0; bit <<= 1) {
-        if (pl_needs_name(bit) != NULL) {
-            bits_of[count] = bit;
-            words[count++] = pl_needs_name(bit);
-        }
-    }
-    if (!read_words(answer, "capabilities", words, &bits, diagnostic)) {
-        return false;
-    }
-    for (int i = 0; i < count; ++i) {
-        *capabilities |= (bits >> i & 1u) != 0 ? bits_of[i] : 0;
-    }
     return true;
 }
 
@@ -147,28 +159,33 @@ static bool read_profile(const json_t *item, pl_hello *hello, int index, pl_diag
            pl_json_bool(item, "in_default_comparison", &p->in_default_comparison, diagnostic);
 }
 
-static const char *profile_name(const void *hello, int index)
-{
-    return ((const pl_hello *)hello)->profiles[index].name;
-}
-
-static const char *option_name(const void *hello, int index)
-{
-    return ((const pl_hello *)hello)->options[index].name;
-}
-
-/* The index of the item named `name` of `count`; a diagnostic for the current path if there is none. */
-static bool find_named(const pl_hello *hello, const char *what,
-                       const char *(*name_of)(const void *, int), int count, const char *name,
-                       int *index, pl_diagnostic *diagnostic)
+/* The index of the item of that name among `count`, each of that size and beginning with its name; a diagnostic
+ * for the current path if there is none. */
+static bool find_named(const char *what, const void *items, size_t size, int count,
+                       const char *name, int *index, pl_diagnostic *diagnostic)
 {
     char quoted[PL_QUOTED_SIZE];
     for (*index = 0; *index < count; ++*index) {
-        if (strcmp(name_of(hello, *index), name) == 0) {
+        const void *item = (const char *)items + (size_t)*index * size;
+        if (strcmp(*(const char *const *)item, name) == 0) {
             return true;
         }
     }
     return pl_diagnose(diagnostic, "there is no %s %s", what, pl_quoted(name, quoted));
+}
+
+static bool find_profile(const pl_hello *hello, const char *name, int *index,
+                         pl_diagnostic *diagnostic)
+{
+    return find_named("profile", hello->profiles, sizeof *hello->profiles,
+                      hello->table.profile_count, name, index, diagnostic);
+}
+
+static bool find_option(const pl_hello *hello, const char *name, int *index,
+                        pl_diagnostic *diagnostic)
+{
+    return find_named("option", hello->options, sizeof *hello->options, hello->table.option_count,
+                      name, index, diagnostic);
 }
 
 /* {"profiles": [names], "min", "max", "logarithmic"} */
@@ -193,8 +210,7 @@ static bool read_tune(const json_t *item, pl_hello *hello, pl_engine_option *opt
     {
         int index;
         const char *text = json_is_string(name) ? json_string_value(name) : "";
-        if (!find_named(hello, "profile", profile_name, hello->table.profile_count, text, &index,
-                        diagnostic)) {
+        if (!find_profile(hello, text, &index, diagnostic)) {
             return false;
         }
         option->tune_profiles |= index < 32 ? 1u << index : 0;
@@ -225,11 +241,9 @@ static bool read_source(const json_t *item, pl_hello *hello, int index, pl_diagn
     int option;
     *s = (pl_engine_source){.option = NULL};
     return read_text(item, "profile", PL_REQUIRED, &profile, diagnostic) &&
-           find_named(hello, "profile", profile_name, hello->table.profile_count, profile,
-                      &s->profile, diagnostic) &&
+           find_profile(hello, profile, &s->profile, diagnostic) &&
            read_text(item, "option", PL_OPTIONAL, &s->option, diagnostic) &&
-           (s->option == NULL || find_named(hello, "option", option_name, hello->table.option_count,
-                                            s->option, &option, diagnostic)) &&
+           (s->option == NULL || find_option(hello, s->option, &option, diagnostic)) &&
            read_text(item, "text", PL_REQUIRED, &s->text, diagnostic);
 }
 
@@ -248,8 +262,7 @@ static bool check_values(const pl_hello *hello, pl_diagnostic *diagnostic)
             pl_path_push_key(&diagnostic->path, "profiles");
             pl_path_push_index(&diagnostic->path, (int)i);
             pl_path_push_key(&diagnostic->path, "values");
-            if (!find_named(hello, "option", option_name, hello->table.option_count, key, &index,
-                            diagnostic)) {
+            if (!find_option(hello, key, &index, diagnostic)) {
                 return false;
             }
             if (!json_is_number(value)) {
@@ -308,7 +321,9 @@ bool pl_hello_read(const json_t *answer, pl_hello *hello, pl_diagnostic *diagnos
     int precision = PL_PRECISION_DOUBLE, integrator = PL_INTEGRATOR_UNKNOWN;
     int gyroscopic = PL_GYROSCOPIC_UNKNOWN;
     uint32_t reads = 0;
+    const char *capabilities[33];
     pl_engine *table = &hello->table;
+    list_capabilities(capabilities);
     hello->answer = json_incref((json_t *)answer);
     *table = (pl_engine){.struct_size = sizeof *table,
                          .abi_version = PL_ENGINE_ABI_VERSION,
@@ -323,7 +338,7 @@ bool pl_hello_read(const json_t *answer, pl_hello *hello, pl_diagnostic *diagnos
         !read_text(answer, "description", PL_OPTIONAL, &table->description, diagnostic) ||
         !read_text(answer, "runtime", PL_OPTIONAL, &table->runtime, diagnostic) ||
         !read_text(answer, "residual_unit", PL_OPTIONAL, &table->residual_unit, diagnostic) ||
-        !read_capabilities(answer, &table->capabilities, diagnostic) ||
+        !read_words(answer, "capabilities", capabilities, &table->capabilities, diagnostic) ||
         !read_words(answer, "contacts", contacts, &table->contacts, diagnostic) ||
         !read_words(answer, "reads", readings, &reads, diagnostic) ||
         !read_word(answer, "precision", precisions, &precision, diagnostic) ||
@@ -355,4 +370,119 @@ void pl_hello_free(pl_hello *hello)
 {
     json_decref(hello->answer);
     *hello = (pl_hello){.answer = NULL};
+}
+
+/* ---- Writing ---- */
+
+static json_t *text(const char *text_or_null)
+{
+    return text_or_null == NULL ? json_null()
+                                : pl_json_bytes(text_or_null, strnlen(text_or_null, MOST_TEXT));
+}
+
+const char *pl_hello_precision(pl_precision precision)
+{
+    return precisions[precision];
+}
+
+const char *pl_hello_integrator(pl_integrator integrator)
+{
+    return integrators[integrator];
+}
+
+static json_t *write_words(const char *const *words, uint32_t bits)
+{
+    json_t *list = json_array();
+    for (int i = 0; words[i] != NULL; ++i) {
+        if ((bits >> i & 1u) != 0 && words[i][0] != '\0') {
+            json_array_append_new(list, json_string(words[i]));
+        }
+    }
+    return list;
+}
+
+json_t *pl_hello_contacts(uint32_t reported)
+{
+    return write_words(contacts, reported);
+}
+
+json_t *pl_hello_tune(const pl_engine_option *option, const pl_engine_profile *profiles, int count)
+{
+    json_t *names = json_array();
+    for (int i = 0; i < count && i < 32; ++i) {
+        if ((option->tune_profiles >> i & 1u) != 0) {
+            json_array_append_new(names, text(profiles[i].name));
+        }
+    }
+    if (json_array_size(names) == 0) {
+        json_decref(names);
+        return NULL;
+    }
+    return json_pack("{s:f, s:f, s:b, s:o}", "min", option->tune_min, "max", option->tune_max,
+                     "logarithmic", (int)option->tune_logarithmic, "profiles", names);
+}
+
+static json_t *option_list(const pl_engine *engine)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < engine->option_count; ++i) {
+        const pl_engine_option *o = &engine->options[i];
+        json_array_append_new(list,
+                              json_pack("{s:o, s:f, s:f, s:f, s:b, s:o, s:o, s:o, s:o*}", "name",
+                                        text(o->name), "value", o->value, "min", o->min, "max",
+                                        o->max, "integer", (int)o->integer, "unit", text(o->unit),
+                                        "help", text(o->help), "code", text(o->code), "tune",
+                                        pl_hello_tune(o, engine->profiles, engine->profile_count)));
+    }
+    return list;
+}
+
+static json_t *profile_list(const pl_engine *engine, const double *defaults)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < engine->profile_count; ++i) {
+        const pl_engine_profile *p = &engine->profiles[i];
+        json_t *values = json_object();
+        for (int k = 0; k < engine->option_count; ++k) {
+            const double value = defaults[i * engine->option_count + k];
+            if (value != engine->options[k].value) {
+                json_object_set_new(values, engine->options[k].name, json_real(value));
+            }
+        }
+        json_array_append_new(list, json_pack("{s:o, s:o, s:b, s:o, s:o}", "name", text(p->name),
+                                              "help", text(p->help), "in_default_comparison",
+                                              (int)p->in_default_comparison, "step_code",
+                                              text(p->step_code), "values", values));
+    }
+    return list;
+}
+
+static json_t *source_list(const pl_engine *engine)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < engine->source_count; ++i) {
+        const pl_engine_source *source = &engine->sources[i];
+        json_array_append_new(list,
+                              json_pack("{s:o, s:o, s:o}", "profile",
+                                        text(engine->profiles[source->profile].name), "option",
+                                        text(source->option), "text", text(source->text)));
+    }
+    return list;
+}
+
+json_t *pl_hello_write(const pl_engine *e, const double *defaults)
+{
+    const char *capabilities[33];
+    const uint32_t reads = (e->read_settings != NULL ? 1u : 0) | (e->read_pair != NULL ? 2u : 0);
+    list_capabilities(capabilities);
+    return json_pack(
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:s, s:s, s:i, s:o, s:o, s:o, s:o}",
+        "protocol", PROTOCOL, "name", text(e->name), "version", text(e->version), "description",
+        text(e->description), "runtime", text(e->runtime == NULL ? "native" : e->runtime),
+        "residual_unit", text(e->residual_unit), "capabilities",
+        write_words(capabilities, e->capabilities), "contacts", pl_hello_contacts(e->contacts),
+        "precision", precisions[e->precision], "integrator", integrators[e->integrator],
+        "gyroscopic", gyroscopics[e->gyroscopic], "substeps", e->substeps, "profiles",
+        profile_list(e, defaults), "options", option_list(e), "sources", source_list(e), "reads",
+        write_words(readings, reads));
 }
