@@ -73,4 +73,25 @@ pl_repeated_steps *pl_repeated_steps_create(const pl_scene *scene, pl_arena *are
  * for bit, those of the step taken before it: the referee need not measure such a step again. */
 bool pl_repeated_steps_see(pl_repeated_steps *repeats, const pl_step *step);
 
+/* ---- The velocities that contacts leave (contact_motion.c) ---- */
+
+/* Memory for one step of all bodies. */
+typedef struct pl_contact_motion pl_contact_motion;
+
+/* `scene` and `arena` must outlive it. Memory of the arena. */
+pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *arena);
+
+/* Takes a step whose contacts have times, and follows its bodies. */
+void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step);
+
+/* Velocities of B's point relative to A's, m/s, world. */
+typedef struct pl_contact_velocity {
+    pl_vec left; /* at the end of the interval, where the contact law holds */
+    pl_vec mean; /* of its begin and its end, where the impulse acted */
+} pl_contact_velocity;
+
+/* Those of contact i of the step. */
+pl_contact_velocity pl_contact_motion_velocity(const pl_contact_motion *motion, const pl_step *step,
+                                               int i);
+
 #endif
