@@ -32,6 +32,10 @@ void pl_see_value(const pl_run_view *view, pl_metric_id id, double value);
 /* The same of a metric by the integrator (PL_TRAIT_BY_INTEGRATOR), for one of these. */
 void pl_see_value_by(const pl_run_view *view, pl_metric_id id, pl_position_rule rule, double value);
 
+/* Sets the metrics over steps in item (PL_METRIC_COUNT) for which a value was seen, or whose series
+ * applies without one. Those of impulses stay absent unless the engine reported all. */
+void pl_series_metrics(const pl_run_view *view, bool has_impulses, pl_metric *item);
+
 /* A module. `state` is what its create returned. The referee makes the metrics over steps of the values
  * that modules have added. */
 typedef struct pl_module {
