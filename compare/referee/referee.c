@@ -30,27 +30,9 @@ struct pl_referee {
     pl_body_state *last;   /* (body_count): the last valid frame */
 };
 
-static int series_count(int id)
-{
-    return !pl_metric_is(id, PL_TRAIT_OVER_STEPS)     ? 0
-           : pl_metric_is(id, PL_TRAIT_BY_INTEGRATOR) ? PL_POSITION_RULE_COUNT
-                                                      : 1;
-}
-
 static bool is_used(const pl_referee *r, const pl_module *module)
 {
     return r->view.scale.dynamic_count > 0 || module->needs_no_motion;
-}
-
-void pl_make_series(pl_run_view *view, pl_arena *arena)
-{
-    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-        const int count = series_count(id);
-        view->series[id] = pl_arena_take(arena, (size_t)count, sizeof *view->series[id]);
-        for (int k = 0; k < count; ++k) {
-            pl_series_init(&view->series[id][k], arena);
-        }
-    }
 }
 
 pl_referee *pl_referee_create(const pl_scene *scene, int threads)
@@ -95,16 +77,6 @@ static pl_ending conclude(pl_referee *r, pl_ending ending, pl_error *error)
         *error = r->reason;
     }
     return ending;
-}
-
-void pl_see_value_by(const pl_run_view *view, pl_metric_id id, pl_position_rule rule, double value)
-{
-    pl_series_add(&view->series[id][rule], value, view->step.number);
-}
-
-void pl_see_value(const pl_run_view *view, pl_metric_id id, double value)
-{
-    pl_see_value_by(view, id, (pl_position_rule)0, value);
 }
 
 /* Hands the frame of r->view.step to the modules that need no pairs, or to the others. */
@@ -218,30 +190,12 @@ static void judge_contacts(const pl_referee *r, int id, pl_metric *metric)
     }
 }
 
-/* That of the engine's integrator, if there are several. */
-static const pl_series *series_of(const pl_referee *r, int id)
-{
-    return &r->view.series[id][series_count(id) > 1 ? r->view.integrator : 0];
-}
-
-/* Whether a metric over steps has a value: one was seen, or none is 0. A metric of impulses has none when
- * the engine kept those of a step to itself. */
-static bool applies(const pl_referee *r, int id)
-{
-    return (series_of(r, id)->count > 0 || r->view.series[id]->applies) &&
-           !(pl_metric_is(id, PL_TRAIT_IMPULSES) && r->no_contacts_step > 0);
-}
-
 static void collect(pl_referee *r, const char *residual_unit, pl_metric *item)
 {
     pl_run_view *view = &r->view;
     view->residual_unit = residual_unit;
     view->integrator = pl_integrator_of(pl_mechanics_votes(view->mechanics));
-    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-        if (series_count(id) > 0 && applies(r, id)) {
-            item[id] = pl_series_metric(series_of(r, id), pl_metric_table[id].traits);
-        }
-    }
+    pl_series_metrics(view, r->no_contacts_step == 0, item);
     for (int i = 0; i < MODULE_COUNT; ++i) {
         if (is_used(r, modules[i]) && modules[i]->collect != NULL) {
             modules[i]->collect(r->state[i], view, item);

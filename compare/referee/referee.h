@@ -2,7 +2,7 @@
  * scene and the contacts that the engine reports; an engine never rates itself.
  *
  * The referee takes one frame at a time, so its memory does not grow with the duration of the run.
- * All of its memory is allocated by pl_referee_create. */
+ * pl_referee_create allocates it; only longer lists of contacts and pairs are allocated later. */
 #ifndef PLUMB_REFEREE_H
 #define PLUMB_REFEREE_H
 

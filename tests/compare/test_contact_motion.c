@@ -1,6 +1,6 @@
 /* The velocities that contacts leave at their own time, against Euler's equations integrated here
  * in fine steps. */
-#include "referee/metrics/contact_motion.h"
+#include "referee/metrics/modules.h"
 
 #include "check.h"
 #include "synthetic_run.h"

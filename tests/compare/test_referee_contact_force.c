@@ -518,20 +518,6 @@ static void test_nan_impulses_fail_the_force_metrics(void **state)
     run_end(&r);
 }
 
-static void test_contacts_of_unknown_bodies_fail_all_force_metrics(void **state)
-{
-    (void)state;
-    run r;
-    pl_contact c[CORNERS];
-    corners(c, 0, 0, -mu, 0, 1);
-    c[1].body_a = 7;
-    slide_into(&r, 1, &c[1]);
-    for (int i = 0; i < COUNT; ++i) {
-        assert_failed_at_step_2(&r, of_force[i]);
-    }
-    run_end(&r);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -554,7 +540,6 @@ int main(void)
         cmocka_unit_test(test_mobility_is_that_before_the_step),
         cmocka_unit_test(test_rolling_ball_does_not_slide),
         cmocka_unit_test(test_nan_impulses_fail_the_force_metrics),
-        cmocka_unit_test(test_contacts_of_unknown_bodies_fail_all_force_metrics),
     };
     return cmocka_run_group_tests_name("contact force", tests, NULL, NULL);
 }

@@ -28,7 +28,7 @@
 
 #include <ccd/ccd.h>
 
-#include <stdbool.h>
+#include <stdint.h>
 
 enum {
     MAX_SUPPORTS = 300, /* support queries of one attempt; EPA itself has no limit */
@@ -62,11 +62,20 @@ static const double EPA_TOLERANCE_CURVED = 1e-12;
 static const double CERTIFIED_CURVED = 3e-4;
 static const double OUTSIDE = 1e-3;
 
+/* One of the shapes. */
+typedef struct convex {
+    const pl_shape *shape;
+    pl_axes axes;
+    pl_vec origin; /* of the shape's frame, less the query's centre */
+    pl_vec middle; /* the centre of mass, a point inside, less the query's centre */
+} convex;
+
 /* The pair as libccd gets it, and the results of its support queries. */
 typedef struct query {
+    convex a, b;
+    double radii; /* of both cores, m */
     double scale;
-    pl_vec centre; /* subtracted, so that a position far from the origin loses no digits */
-    pl_vec apart;  /* added to b, except in the lower bound */
+    pl_vec apart; /* added to b, except in the lower bound */
     bool curved;
     int supports;
     double within; /* a gap above it need not be computed */
@@ -76,64 +85,71 @@ typedef struct query {
     pl_vec support_a; /* result of the last query of a */
 } query;
 
-typedef struct convex {
-    const pl_shape *shape;
-    pl_axes axes;
-    pl_vec origin; /* of the shape's frame, less the query's centre */
-    pl_vec middle; /* the centre of mass, a point inside, less the query's centre */
-    query *shared;
-} convex;
-
-static pl_vec core_support(const convex *object, pl_vec d)
+static pl_vec core_support(const query *q, const convex *object, pl_vec d)
 {
     pl_vec local = pl_core_support(object->shape, pl_to_local(&object->axes, d));
     pl_vec p = pl_vec_add(object->origin, pl_to_world(&object->axes, local));
-    return pl_vec_scale(p, object->shared->scale);
+    return pl_vec_scale(p, q->scale);
 }
 
 /* Beyond the limit every query returns the null vector, which ends GJK and EPA. */
-static bool exhausted(const query *shared)
+static bool exhausted(const query *q)
 {
-    return shared->supports > (shared->curved ? MAX_SUPPORTS_CURVED : MAX_SUPPORTS);
+    return q->supports > (q->curved ? MAX_SUPPORTS_CURVED : MAX_SUPPORTS);
 }
 
-static void support_first(const void *object, const ccd_vec3_t *dir, ccd_vec3_t *out)
+static pl_vec support_first(query *q, pl_vec d)
 {
-    const convex *a = object;
-    a->shared->supports += 1;
-    pl_vec p = exhausted(a->shared) ? (pl_vec){0, 0, 0} : core_support(a, pl_vec_of(dir->v));
-    a->shared->support_a = p;
-    ccdVec3Set(out, p.x, p.y, p.z);
+    q->supports += 1;
+    q->support_a = exhausted(q) ? (pl_vec){0, 0, 0} : core_support(q, &q->a, d);
+    return q->support_a;
 }
 
-/* libccd calls it right after support_first, with the opposite direction. */
-static void support_second(const void *object, const ccd_vec3_t *dir, ccd_vec3_t *out)
+/* Called right after support_first, with the opposite direction. */
+static pl_vec support_second(query *q, pl_vec d)
 {
-    const convex *b = object;
-    query *shared = b->shared;
-    if (exhausted(shared)) {
-        ccdVec3Set(out, 0, 0, 0);
-        return;
+    if (exhausted(q)) {
+        return (pl_vec){0, 0, 0};
     }
-    pl_vec d = pl_vec_of(dir->v);
-    pl_vec p = core_support(b, d);
-    double length = pl_vec_length(d);
-    if (length > 0) {
-        double bound = pl_vec_dot(pl_vec_sub(shared->support_a, p), d) / length;
-        if (bound > shared->lower) {
-            shared->lower = bound;
-            shared->best = pl_vec_scale(d, -1 / length);
-        }
+    const pl_vec p = core_support(q, &q->b, d);
+    const double length = pl_vec_length(d);
+    const double bound =
+        length > 0 ? pl_vec_dot(pl_vec_sub(q->support_a, p), d) / length : -HUGE_VAL;
+    if (bound > q->lower) {
+        q->lower = bound;
+        q->best = pl_vec_scale(d, -1 / length);
     }
-    p = pl_vec_add(p, shared->apart);
-    ccdVec3Set(out, p.x, p.y, p.z);
+    return pl_vec_add(p, q->apart);
 }
 
-static void first_direction(const void *a, const void *b, ccd_vec3_t *dir)
+/* The point of A - B farthest along d. */
+static pl_vec difference_support(query *q, pl_vec d)
+{
+    const pl_vec of_a = support_first(q, d);
+    return pl_vec_sub(of_a, support_second(q, pl_vec_scale(d, -1)));
+}
+
+/* ---- libccd gets the query in place of either object ---- */
+
+static query *query_of(const void *object)
+{
+    return (query *)(uintptr_t)object;
+}
+
+static void ccd_support_first(const void *object, const ccd_vec3_t *dir, ccd_vec3_t *out)
+{
+    pl_vec_store(support_first(query_of(object), pl_vec_of(dir->v)), out->v);
+}
+
+static void ccd_support_second(const void *object, const ccd_vec3_t *dir, ccd_vec3_t *out)
+{
+    pl_vec_store(support_second(query_of(object), pl_vec_of(dir->v)), out->v);
+}
+
+static void ccd_first_direction(const void *a, const void *b, ccd_vec3_t *dir)
 {
     (void)b;
-    pl_vec d = ((const convex *)a)->shared->first;
-    ccdVec3Set(dir, d.x, d.y, d.z);
+    pl_vec_store(query_of(a)->first, dir->v);
 }
 
 /* A direction in general position to every axis: powers of the plastic number, modulo 1. */
@@ -144,27 +160,17 @@ static pl_vec attempt_direction(int attempt)
                     fmod(0.5497004779019703 * k, 1) - 0.5};
 }
 
-/* The point of A - B farthest along d. */
-static pl_vec difference_support(const convex *a, const convex *b, pl_vec d)
-{
-    ccd_vec3_t along = {{d.x, d.y, d.z}}, against = {{-d.x, -d.y, -d.z}}, of_a, of_b;
-    support_first(a, &along, &of_a);
-    support_second(b, &against, &of_b);
-    return pl_vec_sub(pl_vec_of(of_a.v), pl_vec_of(of_b.v));
-}
-
 /* The distance query of GJK. It keeps the nearest triangle of A - B so far and improves it by one
  * support point at a time. The result is an upper bound of the distance at any stop. It stops when
  * the bounds meet, when the gap is above `within`, or when no support point is nearer. */
-static double core_distance(const convex *a, const convex *b)
+static double core_distance(query *q)
 {
-    const query *shared = a->shared;
-    pl_vec start = difference_support(a, b, shared->first);
+    pl_vec start = difference_support(q, q->first);
     const pl_vec origin = {0, 0, 0};
     pl_triangle triangle = {{start, start, start}};
     pl_vec v = start;
-    for (int i = 0; i < MAX_GJK_ITERATIONS && !(shared->lower > shared->within); ++i) {
-        pl_vec w = difference_support(a, b, pl_vec_scale(v, -1));
+    for (int i = 0; i < MAX_GJK_ITERATIONS && !(q->lower > q->within); ++i) {
+        pl_vec w = difference_support(q, pl_vec_scale(v, -1));
         if (pl_vec_dot(v, pl_vec_sub(v, w)) <= ROUNDING * pl_vec_length(v)) {
             break;
         }
@@ -189,111 +195,86 @@ static double core_distance(const convex *a, const convex *b)
 }
 
 /* The distance query with b moved by `apart`. It raises the lower bound. */
-static void query_apart(const convex *a, const convex *b, pl_vec apart)
+static void query_apart(query *q, pl_vec apart)
 {
-    query *shared = a->shared;
-    shared->supports = 0;
-    shared->apart = apart;
-    (void)core_distance(a, b);
+    q->supports = 0;
+    q->apart = apart;
+    (void)core_distance(q);
 }
 
 /* When libccd finds a pair touching, it stops at the first simplex of A - B through the origin, and
  * may not have queried the direction that proves it. The distance query does so once the shapes are
  * moved apart a little, centre from centre. */
-static void probe_touching(const convex *a, const convex *b)
+static void probe_touching(query *q)
 {
-    pl_vec c = pl_vec_sub(b->middle, a->middle);
+    pl_vec c = pl_vec_sub(q->b.middle, q->a.middle);
     double length = pl_vec_length(c);
     if (length > 0) {
-        query_apart(a, b, pl_vec_scale(c, PULL_APART / length));
+        query_apart(q, pl_vec_scale(c, PULL_APART / length));
     }
 }
 
 /* Raises the lower bound to that of a local minimum of h. */
-static void descend(const convex *a, const convex *b)
+static void descend(query *q)
 {
-    query *shared = a->shared;
     double before = -HUGE_VAL;
-    for (int i = 0; i < MAX_DESCENTS && shared->lower > before + ROUNDING; ++i) {
-        before = shared->lower;
-        shared->first = shared->best;
-        query_apart(a, b, pl_vec_scale(shared->best, OUTSIDE - shared->lower));
+    for (int i = 0; i < MAX_DESCENTS && q->lower > before + ROUNDING; ++i) {
+        before = q->lower;
+        q->first = q->best;
+        query_apart(q, pl_vec_scale(q->best, OUTSIDE - q->lower));
     }
 }
 
 /* An upper bound of the gap of overlapping cores, which may be wrong if libccd fails. */
-static double upper_bound(const convex *a, const convex *b, const ccd_t *ccd)
+static double upper_bound(query *q, const ccd_t *ccd)
 {
     double depth = 0;
     ccd_vec3_t dir, position;
-    int code = ccdGJKPenetration(a, b, ccd, &depth, &dir, &position);
+    int code = ccdGJKPenetration(q, q, ccd, &depth, &dir, &position);
     if (code == -2) {
         pl_out_of_memory();
     }
-    double upper = code == 0 ? -depth : core_distance(a, b);
+    double upper = code == 0 ? -depth : core_distance(q);
     /* EPA's facets are always inside A - B. On a curved surface EPA always reaches the limit. */
-    if (exhausted(a->shared) && !(a->shared->curved && depth > 0)) {
+    if (exhausted(q) && !(q->curved && depth > 0)) {
         upper = HUGE_VAL;
     }
     if (code == 0 && depth <= CERTIFIED) {
-        probe_touching(a, b);
+        probe_touching(q);
     }
-    if (a->shared->curved) {
-        descend(a, b);
+    if (q->curved) {
+        descend(q);
     }
     return upper;
 }
 
-/* The gap of overlapping cores in scaled units. */
-static pl_status core_depth(const convex *a, const convex *b, double *gap)
+/* Finds the gap of overlapping cores, q->lower. */
+static pl_status core_depth(query *q)
 {
-    query *shared = a->shared;
-    const double certified = shared->curved ? CERTIFIED_CURVED : CERTIFIED;
-    const double exact = shared->curved ? CERTIFIED_CURVED : EXACT;
+    const double certified = q->curved ? CERTIFIED_CURVED : CERTIFIED;
+    const double exact = q->curved ? CERTIFIED_CURVED : EXACT;
     ccd_t ccd;
     CCD_INIT(&ccd);
-    ccd.first_dir = first_direction;
-    ccd.support1 = support_first;
-    ccd.support2 = support_second;
+    ccd.first_dir = ccd_first_direction;
+    ccd.support1 = ccd_support_first;
+    ccd.support2 = ccd_support_second;
     ccd.max_iterations = MAX_GJK_ITERATIONS;
-    ccd.epa_tolerance = shared->curved ? EPA_TOLERANCE_CURVED : EPA_TOLERANCE;
+    ccd.epa_tolerance = q->curved ? EPA_TOLERANCE_CURVED : EPA_TOLERANCE;
     double best = HUGE_VAL;
-    for (int attempt = 0; attempt < MAX_ATTEMPTS && fabs(best - shared->lower) > exact; ++attempt) {
-        shared->supports = 0;
-        shared->first = attempt_direction(attempt);
-        shared->apart = pl_vec_scale(shared->first, attempt > 0 ? NUDGE : 0);
-        const double upper = upper_bound(a, b, &ccd);
-        if (fabs(upper - shared->lower) < fabs(best - shared->lower)) {
+    for (int attempt = 0; attempt < MAX_ATTEMPTS && fabs(best - q->lower) > exact; ++attempt) {
+        q->supports = 0;
+        q->first = attempt_direction(attempt);
+        q->apart = pl_vec_scale(q->first, attempt > 0 ? NUDGE : 0);
+        const double upper = upper_bound(q, &ccd);
+        if (fabs(upper - q->lower) < fabs(best - q->lower)) {
             best = upper;
         }
         ccd.epa_tolerance *= 1e-2;
     }
-    if (fabs(best - shared->lower) > certified) {
-        descend(a, b);
+    if (fabs(best - q->lower) > certified) {
+        descend(q);
     }
-    *gap = shared->lower;
-    return fabs(best - shared->lower) <= certified ? PL_OK : PL_FAILED;
-}
-
-/* The gap of the cores in scaled units. */
-static pl_status core_gap(const convex *a, const convex *b, double *gap)
-{
-    query *shared = a->shared;
-    shared->first = pl_vec_sub(b->origin, a->origin);
-    double upper = core_distance(a, b);
-    if (shared->lower > shared->within || upper - shared->lower <= EXACT) {
-        *gap = shared->lower;
-        return PL_OK;
-    }
-    return core_depth(a, b, gap);
-}
-
-static convex place(const pl_placed_shape *placed, query *shared)
-{
-    pl_vec origin = pl_vec_sub(pl_vec_of(placed->position), shared->centre);
-    pl_vec middle = pl_centre_of_mass(placed->shape, placed->position, placed->orientation);
-    return (convex){placed->shape, pl_axes_of(placed->orientation), origin,
-                    pl_vec_sub(middle, shared->centre), shared};
+    return fabs(best - q->lower) <= certified ? PL_OK : PL_FAILED;
 }
 
 static bool is_bounded_and_convex(const pl_shape *shape)
@@ -301,27 +282,34 @@ static bool is_bounded_and_convex(const pl_shape *shape)
     return shape->kind != PL_SHAPE_PLANE && shape->kind != PL_SHAPE_MESH;
 }
 
+/* `centre` is subtracted, so that a position far from the origin loses no digits. */
+static convex place(const pl_placed_shape *s, pl_vec centre)
+{
+    const pl_vec middle = pl_centre_of_mass(s->shape, s->position, s->orientation);
+    return (convex){s->shape, pl_axes_of(s->orientation),
+                    pl_vec_sub(pl_vec_of(s->position), centre), pl_vec_sub(middle, centre)};
+}
+
 /* A query of two bounded shapes. Its bounds are of their cores, in scaled units. */
 static query begin(const pl_placed_shape *a, const pl_placed_shape *b, double within)
 {
-    double radii = pl_core_radius(a->shape) + pl_core_radius(b->shape);
-    double scale = 1 / (pl_bounding_radius(a->shape) + pl_bounding_radius(b->shape));
-    return (query){.scale = scale,
-                   .centre = pl_centre_of_mass(a->shape, a->position, a->orientation),
-                   .curved =
-                       a->shape->kind == PL_SHAPE_CYLINDER || b->shape->kind == PL_SHAPE_CYLINDER,
-                   .within = (within + radii) * scale,
-                   .lower = -HUGE_VAL};
+    const pl_vec centre = pl_centre_of_mass(a->shape, a->position, a->orientation);
+    query q = {.a = place(a, centre),
+               .b = place(b, centre),
+               .radii = pl_core_radius(a->shape) + pl_core_radius(b->shape),
+               .scale = 1 / (pl_bounding_radius(a->shape) + pl_bounding_radius(b->shape)),
+               .curved = a->shape->kind == PL_SHAPE_CYLINDER || b->shape->kind == PL_SHAPE_CYLINDER,
+               .lower = -HUGE_VAL};
+    q.within = (within + q.radii) * q.scale;
+    q.first = pl_vec_sub(q.b.origin, q.a.origin);
+    return q;
 }
 
 double pl_distance_convex(const pl_placed_shape *a, const pl_placed_shape *b, double within)
 {
-    query shared = begin(a, b, within);
-    convex object_a = place(a, &shared), object_b = place(b, &shared);
-    shared.first = pl_vec_sub(object_b.origin, object_a.origin);
-    (void)core_distance(&object_a, &object_b);
-    double radii = pl_core_radius(a->shape) + pl_core_radius(b->shape);
-    return fmax(shared.lower / shared.scale - radii, 0);
+    query q = begin(a, b, within);
+    (void)core_distance(&q);
+    return fmax(q.lower / q.scale - q.radii, 0);
 }
 
 pl_status pl_gap_convex(const pl_placed_shape *a, const pl_placed_shape *b, double within,
@@ -330,13 +318,13 @@ pl_status pl_gap_convex(const pl_placed_shape *a, const pl_placed_shape *b, doub
     if (!is_bounded_and_convex(a->shape) || !is_bounded_and_convex(b->shape)) {
         return PL_UNSUPPORTED;
     }
-    query shared = begin(a, b, within);
-    convex object_a = place(a, &shared), object_b = place(b, &shared);
-    double core = 0;
-    pl_status status = core_gap(&object_a, &object_b, &core);
+    query q = begin(a, b, within);
+    const double upper = core_distance(&q);
+    const bool is_known = q.lower > q.within || upper - q.lower <= EXACT;
+    const pl_status status = is_known ? PL_OK : core_depth(&q);
     if (status == PL_OK) {
-        *gap = core / shared.scale - pl_core_radius(a->shape) - pl_core_radius(b->shape);
-        if (shared.lower > shared.within) {
+        *gap = q.lower / q.scale - pl_core_radius(a->shape) - pl_core_radius(b->shape);
+        if (q.lower > q.within) {
             *gap = fmax(*gap, nextafter(within, HUGE_VAL)); /* also after rounding */
         }
     }

@@ -190,23 +190,9 @@ static bool is_inside(const probe *p, int vertex)
            pl_surface_nearest(p->target, point).distance < 0;
 }
 
-/* Whether the whole source is in the target's box: a quick test that mostly fails. */
-static bool box_holds_all(const probe *p)
-{
-    for (int i = 0; i < p->source->vertex_count; ++i) {
-        if (!pl_surface_box_holds(p->target, vertex_of(p, i), 0)) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* Whether any connected part of the source is inside, if the source pierces nothing. */
 static bool any_part_inside(const probe *p)
 {
-    if (p->source->part_count == 1 && !box_holds_all(p)) {
-        return false;
-    }
     for (int i = 0; i < p->source->part_count; ++i) {
         if (is_inside(p, p->source->parts[i])) {
             return true;

@@ -12,10 +12,9 @@
  * from r to the change of u if both bodies were free, 1/rho = tr W / 3. If a contact was open by a
  * gap, gap / h is added to u_n: no force is due until the gap is closed (Stewart and Trinkle 1996).
  * Where an engine says when its contacts acted, u is the velocity that each left then, at the arms
- * that it states (contact_motion.h), and h the length of its interval.
+ * that it states (contact_motion.c), and h the length of its interval.
  * A correct bounce has r_n > 0 and u_n > 0, so the last two metrics leave out pairs with
  * restitution. */
-#include "contact_motion.h"
 #include "modules.h"
 #include "referee/geometry/solid.h"
 

@@ -1,8 +1,17 @@
-#include "contact_motion.h"
-
+/* The velocities that each contact left, where an engine says when its contacts acted.
+ *
+ * From the state before the step on, the momenta of each body follow from gravity and from the
+ * reported impulses in their order. An impulse over an interval [b, e] leaves
+ *
+ *   v = v_b + (e - b) g + J/m,    w = w_free + I_b^-1 sum r x J,
+ *
+ * where w_free is what free rotation makes of w_b by e, and I_b the inertia in the axes of b: the
+ * velocities of time stepping (Moreau 1988; Jean 1999), which the contact law is imposed on. Then
+ * the body rotates, and keeps its angular momentum. What is left to the velocities that the engine
+ * reports at the step's end, by applied forces, position correction or errors, is added to those of
+ * the last interval. */
+#include "modules.h"
 #include "referee/geometry/solid.h"
-
-#include <string.h>
 
 /* Parts of an interval of free rotation, each a midpoint rule. */
 enum { ROTATION_PARTS = 4 };
@@ -10,14 +19,11 @@ enum { ROTATION_PARTS = 4 };
 /* Of the step: intervals that end this near to its end are the last. */
 static const double LAST = 1e-9;
 
+/* Not yet on its way. */
+enum { NONE = -1 };
+
 /* Room to begin with. */
 enum { CONTACTS_PER_BODY = 8, LEAST_CONTACTS = 64 };
-
-/* A side is one body's part in a contact: 2 i for body A of contact i, 2 i + 1 for body B. */
-typedef struct side_of_body {
-    int side;
-    int run; /* of contacts of the same order, which are one solve */
-} side_of_body;
 
 /* What one solve does to a body. */
 typedef struct solve {
@@ -25,36 +31,27 @@ typedef struct solve {
     pl_vec left_v, left_w; /* the velocities that it leaves, m/s, rad/s */
 } solve;
 
-/* The contacts of a body in the step: the sides from `begin` to before `end`. */
-typedef struct body_contacts {
-    int begin, end;
-    pl_vec rest_v, rest_w; /* what the step's end has besides, m/s, rad/s */
-} body_contacts;
+/* A body on its way through the contacts of the step. */
+typedef struct track {
+    int run;                 /* of contacts of the same order, which are one solve; or NONE */
+    int solve;               /* of that run */
+    double end;              /* of that solve, s since the start of the step */
+    pl_vec impulse, angular; /* of its contacts so far, N s, N m s */
+    double time;             /* s since the start of the step */
+    pl_vec v, momentum;      /* m/s; angular about the centre of mass, N m s, world */
+    pl_axes axes;            /* principal */
+    pl_vec rest_v, rest_w;   /* what the step's end has besides, m/s, rad/s */
+} track;
 
+/* A side is one body's part in a contact: 2 i for body A of contact i, 2 i + 1 for body B. */
 struct pl_contact_motion {
     const pl_scene *scene;
     pl_arena *arena;
-    body_contacts *bodies; /* (body_count); none of static ones */
-    side_of_body *sides;   /* (side_capacity): by bodies, in the order of the contacts */
-    int *solve_of;         /* (solve_of_capacity): the solve of a side */
-    solve *solves;         /* (solve_count of solve_capacity) */
-    int side_capacity, solve_of_capacity, solve_count, solve_capacity;
+    track *bodies; /* (body_count) */
+    int *solve_of; /* (solve_of_capacity): the solve of a side */
+    solve *solves; /* (solve_count of solve_capacity) */
+    int solve_of_capacity, solve_count, solve_capacity;
 };
-
-/* A body on its way through the step. */
-typedef struct track {
-    double time;        /* s since the start of the step */
-    pl_vec v, momentum; /* m/s; angular about the centre of mass, N m s, world */
-    pl_axes axes;       /* principal */
-} track;
-
-/* Makes room for the contacts of a step. */
-static void reserve(pl_contact_motion *m, int contacts)
-{
-    pl_arena_reserve(m->arena, &m->sides, &m->side_capacity, 2 * contacts, sizeof *m->sides);
-    pl_arena_reserve(m->arena, &m->solve_of, &m->solve_of_capacity, 2 * contacts,
-                     sizeof *m->solve_of);
-}
 
 pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *arena)
 {
@@ -63,7 +60,9 @@ pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *are
     m->arena = arena;
     m->bodies = pl_arena_take(arena, (size_t)scene->body_count, sizeof *m->bodies);
     pl_arena_reserve(arena, &m->solves, &m->solve_capacity, scene->body_count, sizeof *m->solves);
-    reserve(m, LEAST_CONTACTS + CONTACTS_PER_BODY * scene->body_count);
+    pl_arena_reserve(arena, &m->solve_of, &m->solve_of_capacity,
+                     2 * (LEAST_CONTACTS + CONTACTS_PER_BODY * scene->body_count),
+                     sizeof *m->solve_of);
     return m;
 }
 
@@ -106,123 +105,113 @@ static void rotate_freely(pl_axes *axes, const double inertia[3], pl_vec momentu
     }
 }
 
-/* ---- The contacts of each body ---- */
-
-static int body_of(const pl_step *step, int side)
-{
-    const pl_contact *contact = &step->contacts[side / 2];
-    return side % 2 == 1 ? contact->body_b : contact->body_a;
-}
-
-/* Lists the sides of each body, in their order. */
-static void list_sides(pl_contact_motion *m, const pl_step *step)
-{
-    int sum = 0, run = 0;
-    reserve(m, step->contact_count);
-    for (int i = 0; i < m->scene->body_count; ++i) {
-        m->bodies[i].end = 0;
-    }
-    for (int side = 0; side < 2 * step->contact_count; ++side) {
-        const int body = body_of(step, side);
-        m->bodies[body].end += !m->scene->bodies[body].is_static;
-    }
-    for (int i = 0; i < m->scene->body_count; ++i) {
-        const int count = m->bodies[i].end;
-        m->bodies[i].begin = m->bodies[i].end = sum;
-        sum += count;
-    }
-    for (int side = 0; side < 2 * step->contact_count; ++side) {
-        const int i = side / 2, body = body_of(step, side);
-        run += side == 2 * i && i > 0 && step->times[i].order != step->times[i - 1].order;
-        if (!m->scene->bodies[body].is_static) {
-            m->sides[m->bodies[body].end++] = (side_of_body){side, run};
-        }
-    }
-}
-
-/* The impulse of a side on its body, N s. */
-static pl_vec impulse_of(const pl_step *step, int side)
-{
-    const pl_vec impulse = pl_vec_of(step->contacts[side / 2].impulse);
-    return side % 2 == 1 ? impulse : pl_vec_scale(impulse, -1);
-}
-
 /* ---- A body ---- */
 
-static void advance(const pl_contact_motion *m, const double inertia[3], double to, track *t)
+static void begin_body(const pl_body *body, const pl_body_state *before, track *t)
+{
+    *t = (track){.run = NONE,
+                 .v = pl_vec_of(before->velocity),
+                 .axes = pl_principal_axes(&body->shape, before->orientation)};
+    t->momentum =
+        inertia_times(&t->axes, body->inertia, false, pl_vec_of(before->angular_velocity));
+}
+
+static void advance(const pl_contact_motion *m, const pl_body *body, double to, track *t)
 {
     const double dt = fmax(to - t->time, 0);
     t->v = pl_vec_mad(t->v, dt, pl_vec_of(m->scene->gravity));
-    rotate_freely(&t->axes, inertia, t->momentum, dt);
+    rotate_freely(&t->axes, body->inertia, t->momentum, dt);
     t->time = fmax(to, t->time);
 }
 
-/* Takes a body through a solve of the sides from `begin` to before `end`. */
-static void follow_solve(pl_contact_motion *m, const pl_step *step, const pl_body *body, int begin,
-                         int end, track *t)
+/* Begins the solve of a run, whose first contact has this time. */
+static void begin_solve(pl_contact_motion *m, const pl_body *body, const pl_contact_time *first,
+                        int run, track *t)
+{
+    advance(m, body, first->begin, t);
+    t->run = run;
+    t->solve = m->solve_count++;
+    t->end = first->end;
+    t->impulse = t->angular = (pl_vec){0, 0, 0};
+    pl_arena_reserve(m->arena, &m->solves, &m->solve_capacity, m->solve_count, sizeof *m->solves);
+}
+
+/* Takes a body through its solve, which has all of its contacts. */
+static void end_solve(const pl_contact_motion *m, const pl_body *body, track *t)
 {
     const double *inertia = body->inertia;
-    const pl_contact_time *first = &step->times[m->sides[begin].side / 2];
-    pl_vec impulse = {0, 0, 0}, angular = {0, 0, 0};
-    pl_arena_reserve(m->arena, &m->solves, &m->solve_capacity, m->solve_count + 1,
-                     sizeof *m->solves);
-    solve *s = &m->solves[m->solve_count];
-    advance(m, inertia, first->begin, t);
-    for (int i = begin; i < end; ++i) {
-        const int side = m->sides[i].side;
-        const pl_contact_place *acts = &step->times[side / 2].acts;
-        const pl_vec arm = pl_vec_of(side % 2 == 1 ? acts->arm_b : acts->arm_a);
-        const pl_vec part = impulse_of(step, side);
-        impulse = pl_vec_add(impulse, part);
-        angular = pl_vec_add(angular, pl_vec_cross(arm, part));
-        m->solve_of[side] = m->solve_count;
-    }
-    m->solve_count += 1;
-    const double dt = fmax(first->end - t->time, 0);
+    const double dt = fmax(t->end - t->time, 0);
+    solve *s = &m->solves[t->solve];
     pl_axes free = t->axes;
     rotate_freely(&free, inertia, t->momentum, dt);
     s->v = t->v;
     s->w = inertia_times(&t->axes, inertia, true, t->momentum);
     s->left_v =
-        pl_vec_mad(pl_vec_mad(t->v, dt, pl_vec_of(m->scene->gravity)), 1 / body->mass, impulse);
+        pl_vec_mad(pl_vec_mad(t->v, dt, pl_vec_of(m->scene->gravity)), 1 / body->mass, t->impulse);
     s->left_w = pl_vec_add(inertia_times(&free, inertia, true, t->momentum),
-                           inertia_times(&t->axes, inertia, true, angular));
+                           inertia_times(&t->axes, inertia, true, t->angular));
     rotate(&t->axes, pl_vec_scale(pl_vec_add(s->w, s->left_w), 0.5 * dt));
     t->v = s->left_v;
-    t->momentum = pl_vec_add(t->momentum, angular);
-    t->time = fmax(first->end, t->time);
+    t->momentum = pl_vec_add(t->momentum, t->angular);
+    t->time = fmax(t->end, t->time);
 }
 
-/* Takes a body through the step, and compares the end that the impulses explain with the one
+/* Takes a body to the step's end, and compares the end that the impulses explain with the one
  * reported. */
-static void follow_body(pl_contact_motion *m, const pl_step *step, int index)
+static void end_body(const pl_contact_motion *m, const pl_body *body, const pl_body_state *after,
+                     track *t)
 {
-    const pl_body *body = &m->scene->bodies[index];
-    const pl_body_state *before = &step->before[index], *after = &step->after[index];
-    body_contacts *b = &m->bodies[index];
-    track t = {.v = pl_vec_of(before->velocity),
-               .axes = pl_principal_axes(&body->shape, before->orientation)};
-    t.momentum = inertia_times(&t.axes, body->inertia, false, pl_vec_of(before->angular_velocity));
-    for (int begin = b->begin, end; begin < b->end; begin = end) {
-        for (end = begin + 1; end < b->end && m->sides[end].run == m->sides[begin].run;) {
-            end += 1;
-        }
-        follow_solve(m, step, body, begin, end, &t);
-    }
-    advance(m, body->inertia, m->scene->dt, &t);
+    advance(m, body, m->scene->dt, t);
     const pl_axes axes = pl_principal_axes(&body->shape, after->orientation);
-    b->rest_v = pl_vec_sub(pl_vec_of(after->velocity), t.v);
-    b->rest_w = pl_vec_sub(pl_vec_of(after->angular_velocity),
-                           inertia_times(&axes, body->inertia, true, t.momentum));
+    t->rest_v = pl_vec_sub(pl_vec_of(after->velocity), t->v);
+    t->rest_w = pl_vec_sub(pl_vec_of(after->angular_velocity),
+                           inertia_times(&axes, body->inertia, true, t->momentum));
+}
+
+/* Adds an impulse of a contact, N s, to the solve of its body. */
+static void add_side(pl_contact_motion *m, const pl_step *step, int side, int run, pl_vec impulse)
+{
+    const pl_contact_time *time = &step->times[side / 2];
+    const bool is_b = side % 2 == 1;
+    const int index = is_b ? step->contacts[side / 2].body_b : step->contacts[side / 2].body_a;
+    const pl_body *body = &m->scene->bodies[index];
+    track *t = &m->bodies[index];
+    if (body->is_static) {
+        return;
+    }
+    if (t->run != run) {
+        if (t->run == NONE) {
+            begin_body(body, &step->before[index], t);
+        } else {
+            end_solve(m, body, t);
+        }
+        begin_solve(m, body, time, run, t);
+    }
+    t->impulse = pl_vec_add(t->impulse, impulse);
+    t->angular = pl_vec_add(
+        t->angular, pl_vec_cross(pl_vec_of(is_b ? time->acts.arm_b : time->acts.arm_a), impulse));
+    m->solve_of[side] = t->solve;
 }
 
 void pl_contact_motion_step(pl_contact_motion *m, const pl_step *step)
 {
-    list_sides(m, step);
+    int run = 0;
     m->solve_count = 0;
+    pl_arena_reserve(m->arena, &m->solve_of, &m->solve_of_capacity, 2 * step->contact_count,
+                     sizeof *m->solve_of);
     for (int i = 0; i < m->scene->body_count; ++i) {
-        if (m->bodies[i].begin < m->bodies[i].end) {
-            follow_body(m, step, i);
+        m->bodies[i].run = NONE;
+    }
+    for (int i = 0; i < step->contact_count; ++i) {
+        const pl_vec impulse = pl_vec_of(step->contacts[i].impulse);
+        run += i > 0 && step->times[i].order != step->times[i - 1].order;
+        add_side(m, step, 2 * i, run, pl_vec_scale(impulse, -1));
+        add_side(m, step, 2 * i + 1, run, impulse);
+    }
+    for (int i = 0; i < m->scene->body_count; ++i) {
+        if (m->bodies[i].run != NONE) {
+            end_solve(m, &m->scene->bodies[i], &m->bodies[i]);
+            end_body(m, &m->scene->bodies[i], &step->after[i], &m->bodies[i]);
         }
     }
 }
@@ -234,7 +223,7 @@ void pl_contact_motion_step(pl_contact_motion *m, const pl_step *step)
 static void add_point_velocity(const pl_contact_motion *m, int body, int side, const double acts[3],
                                const double holds[3], bool last, pl_contact_velocity *u)
 {
-    const body_contacts *b = &m->bodies[body];
+    const track *b = &m->bodies[body];
     const double sign = side % 2 == 1 ? 1 : -1;
     if (m->scene->bodies[body].is_static) {
         return;

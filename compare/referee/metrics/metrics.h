@@ -119,7 +119,7 @@ typedef struct pl_note {
 /* How a run ended, as far as its frames show. */
 typedef enum pl_ending {
     PL_ENDING_OK,
-    PL_ENDING_COLLAPSED, /* what should stand does not: see standing.h */
+    PL_ENDING_COLLAPSED, /* what should stand does not: see pl_standing_judge */
     PL_ENDING_DIVERGED,  /* energy or speed beyond the scene's bound; the run should end */
     PL_ENDING_NONFINITE  /* a pose or velocity is NaN or infinite; the run should end */
 } pl_ending;

@@ -32,6 +32,10 @@ void pl_see_value(const pl_run_view *view, pl_metric_id id, double value);
 /* The same of a metric by the integrator (PL_TRAIT_BY_INTEGRATOR), for one of these. */
 void pl_see_value_by(const pl_run_view *view, pl_metric_id id, pl_position_rule rule, double value);
 
+/* Sets the metrics over steps in item (PL_METRIC_COUNT) for which a value was seen, or whose series
+ * applies without one. Those of impulses stay absent unless the engine reported all. */
+void pl_series_metrics(const pl_run_view *view, bool has_impulses, pl_metric *item);
+
 /* A module. `state` is what its create returned. The referee makes the metrics over steps of the values
  * that modules have added. */
 typedef struct pl_module {
@@ -72,5 +76,26 @@ pl_repeated_steps *pl_repeated_steps_create(const pl_scene *scene, pl_arena *are
 /* Takes a step, whose contacts may be unreported. Returns whether its states, contacts and times are, bit
  * for bit, those of the step taken before it: the referee need not measure such a step again. */
 bool pl_repeated_steps_see(pl_repeated_steps *repeats, const pl_step *step);
+
+/* ---- The velocities that contacts leave (contact_motion.c) ---- */
+
+/* Memory for one step of all bodies. */
+typedef struct pl_contact_motion pl_contact_motion;
+
+/* `scene` and `arena` must outlive it. Memory of the arena. */
+pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *arena);
+
+/* Takes a step whose contacts have times, and follows its bodies. */
+void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step);
+
+/* Velocities of B's point relative to A's, m/s, world. */
+typedef struct pl_contact_velocity {
+    pl_vec left; /* at the end of the interval, where the contact law holds */
+    pl_vec mean; /* of its begin and its end, where the impulse acted */
+} pl_contact_velocity;
+
+/* Those of contact i of the step. */
+pl_contact_velocity pl_contact_motion_velocity(const pl_contact_motion *motion, const pl_step *step,
+                                               int i);
 
 #endif

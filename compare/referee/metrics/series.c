@@ -1,7 +1,7 @@
 /* A logarithmic histogram. The bin of a number follows from the exponent and the leading seven bits
  * of the mantissa of its IEEE 754 double, without a logarithm and without rounding. Source: the
  * idea of HdrHistogram (Tene 2012). */
-#include "series.h"
+#include "modules.h"
 
 #include <math.h>
 #include <string.h>
@@ -79,4 +79,47 @@ pl_metric pl_series_metric(const pl_series *series, unsigned traits)
                        .p95 = pl_series_percentile(series, 0.95),
                        .p99 = pl_series_percentile(series, 0.99),
                        .worst_step = series->worst_step};
+}
+
+/* ---- The metrics over steps ---- */
+
+static int series_count(int id)
+{
+    return !pl_metric_is(id, PL_TRAIT_OVER_STEPS)     ? 0
+           : pl_metric_is(id, PL_TRAIT_BY_INTEGRATOR) ? PL_POSITION_RULE_COUNT
+                                                      : 1;
+}
+
+void pl_make_series(pl_run_view *view, pl_arena *arena)
+{
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+        const int count = series_count(id);
+        view->series[id] = pl_arena_take(arena, (size_t)count, sizeof *view->series[id]);
+        for (int k = 0; k < count; ++k) {
+            pl_series_init(&view->series[id][k], arena);
+        }
+    }
+}
+
+void pl_see_value_by(const pl_run_view *view, pl_metric_id id, pl_position_rule rule, double value)
+{
+    pl_series_add(&view->series[id][rule], value, view->step.number);
+}
+
+void pl_see_value(const pl_run_view *view, pl_metric_id id, double value)
+{
+    pl_see_value_by(view, id, (pl_position_rule)0, value);
+}
+
+void pl_series_metrics(const pl_run_view *view, bool has_impulses, pl_metric *item)
+{
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+        const int count = series_count(id);
+        const pl_series *all = view->series[id];
+        const pl_series *series = count > 1 ? &all[view->integrator] : all;
+        const bool is_known = has_impulses || !pl_metric_is(id, PL_TRAIT_IMPULSES);
+        if (count > 0 && is_known && (series->count > 0 || all->applies)) {
+            item[id] = pl_series_metric(series, pl_metric_table[id].traits);
+        }
+    }
 }
