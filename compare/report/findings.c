@@ -1,9 +1,9 @@
 #include "findings.h"
 
-#include "adapter_trust.h"
 #include "base/heap.h"
 #include "base/number_format.h"
 #include "results/result.h"
+#include "sections.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -130,11 +130,13 @@ void pl_findings_describe_adapters(const pl_all_findings *all, pl_document *docu
         listed[all->others.items[i].cell->configuration] = true;
     }
     if (all->others.count > 0) {
-        pl_describe_adapters(all->results, listed, document);
         pl_document_paragraph(document,
                               "Causes were found by experiment with %s; each is shown only for the "
-                              "version, profile and parameters of its experiment.",
+                              "version, profile and parameters of its experiment. Where the "
+                              "conformance of an engine is not verified or FAILED, a deviation may "
+                              "be its adapter's.",
                               pl_json_get_text(all->causes, "found_with"));
+        pl_describe_read_back(all->results, listed, document);
     }
     free(listed);
 }

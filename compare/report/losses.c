@@ -13,14 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Values below the floor of a metric are equal.
- *
- * Lengths, speeds, angles and relative numbers: 1e-9 (SI). Double precision resolves 1.4e-14 m at
- * 100 m; over 10^4 steps such errors add up to about 1e-10. So a smaller value is rounding, of the
- * engine or of the referee, and a nanometre is far below what a simulation needs.
- *
- * Memory is counted in whole pages, and the allocator takes some ahead of need: 256 KiB. The time
- * to rest is known to one step. */
+/* Values below the floor of a metric (SI) are equal; pl_losses_describe_rule says why. Double precision resolves 1.4e-14
+ * m at 100 m; over 10^4 steps such errors add up to about 1e-10. A nanometre is far below what a simulation needs. */
 static const double value_floor = 1e-9, relative_noise = 0.1;
 
 /* Of two values below this (SI) the ratio means nothing: such a value is the residual that a solver
@@ -193,19 +187,11 @@ static int rank_of(const pl_loss *loss)
 static int compare_losses(const void *left, const void *right)
 {
     const pl_loss *a = left, *b = right;
-    if (rank_of(a) != rank_of(b)) {
-        return rank_of(a) < rank_of(b) ? -1 : 1;
-    }
-    if (a->ratio != b->ratio) {
-        return a->ratio > b->ratio ? -1 : 1;
-    }
-    if (a->test_case != b->test_case) {
-        return a->test_case < b->test_case ? -1 : 1;
-    }
-    if (a->metric != b->metric) {
-        return a->metric < b->metric ? -1 : 1;
-    }
-    return (a->home > b->home) - (a->home < b->home);
+    int order = rank_of(a) - rank_of(b);
+    order = order != 0 ? order : (a->ratio < b->ratio) - (a->ratio > b->ratio);
+    order = order != 0 ? order : (a->test_case > b->test_case) - (a->test_case < b->test_case);
+    order = order != 0 ? order : a->metric - b->metric;
+    return order != 0 ? order : (a->home > b->home) - (a->home < b->home);
 }
 
 void pl_losses_find(const pl_result_table *results, pl_losses *losses)

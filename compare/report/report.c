@@ -146,29 +146,21 @@ void pl_report_csv(const pl_result_table *results, pl_text_buffer *out)
 typedef struct report_file {
     const char *name;
     pl_text_buffer text;
-    char final[PATH_MAX], temporary[PATH_MAX];
-    bool written;
+    char *final, *temporary; /* NULL: not written */
 } report_file;
 
 static pl_status write_temporary(report_file *file, const char *directory, pl_error *error)
 {
     pl_error cause = {PL_OK, ""};
-    int length = snprintf(file->temporary, sizeof file->temporary, "%s/.%s.%ld.tmp", directory,
-                          file->name, (long)getpid());
-    if (length < 0 || (size_t)length >= sizeof file->temporary) {
-        return pl_fail(error, PL_IO, "%.200s: the path is too long", directory);
-    }
-    snprintf(file->final, sizeof file->final, "%.*s/%s", (int)strlen(directory), directory,
-             file->name);
-    pl_status status = pl_write_buffer(file->temporary, &file->text, &cause);
-    if (status != PL_OK) {
-        return pl_fail(error, status, "%.200s cannot be written: %.200s", file->final,
-                       cause.message);
-    }
-    file->written = true;
-    return PL_OK;
+    file->final = pl_heap_format("%s/%s", directory, file->name);
+    file->temporary = pl_heap_format("%s/.%s.%ld.tmp", directory, file->name, (long)getpid());
+    const pl_status status = pl_write_buffer(file->temporary, &file->text, &cause);
+    return status == PL_OK ? PL_OK
+                           : pl_fail(error, status, "%.200s cannot be written: %.200s", file->final,
+                                     cause.message);
 }
 
+/* Writes all or none. */
 static pl_status write_files(report_file *files, int count, const pl_report_def *def,
                              pl_error *error)
 {
@@ -179,17 +171,18 @@ static pl_status write_files(report_file *files, int count, const pl_report_def 
         }
     }
     for (int i = 0; i < count && status == PL_OK; ++i) {
-        if (files[i].written && rename(files[i].temporary, files[i].final) != 0) {
+        if (files[i].temporary != NULL && rename(files[i].temporary, files[i].final) != 0) {
             status = pl_fail(error, PL_IO, "%.300s cannot be replaced: %s", files[i].final,
                              strerror(errno));
-        } else {
-            files[i].written = false;
         }
     }
     for (int i = 0; i < count; ++i) {
-        if (files[i].written) {
-            unlink(files[i].temporary);
+        if (files[i].temporary != NULL) {
+            unlink(files[i].temporary); /* of a file that was not renamed */
         }
+        free(files[i].final);
+        free(files[i].temporary);
+        pl_text_free(&files[i].text);
     }
     return status;
 }
@@ -339,9 +332,6 @@ pl_status pl_report_write(const pl_report_def *def, pl_error *error)
     add_summary(&report, &files[2].text);
     add_page(def, &report, &files[3].text);
     const pl_status status = write_files(files, FILE_COUNT, def, error);
-    for (int i = 0; i < FILE_COUNT; ++i) {
-        pl_text_free(&files[i].text);
-    }
     pl_report_free(&report);
     return status;
 }

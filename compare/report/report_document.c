@@ -1,6 +1,5 @@
 #include "report_document.h"
 
-#include "adapter_trust.h"
 #include "base/heap.h"
 #include "base/program_name.h"
 #include "results/result.h"
@@ -155,16 +154,6 @@ static void add_failures(const pl_result_table *results, pl_document *document)
     pl_document_table(document, "Failed runs", &table);
 }
 
-/* A run of the configuration on the first case that it has. */
-static const pl_result_row *first_run(const pl_result_table *results, int configuration)
-{
-    const pl_result_cell *cell = NULL;
-    for (int i = 0; cell == NULL; ++i) {
-        cell = pl_result_case_cell(&results->cases[i], configuration);
-    }
-    return cell->worst;
-}
-
 /* Adds what the engine was set to, as a cell: "iterations = 20, erp = 0.2". */
 static void add_settings(const json_t *settings, pl_table *table)
 {
@@ -198,14 +187,12 @@ static void add_engines(const pl_result_table *results, pl_reader reader, pl_doc
     pl_table_columns(&table, has_settings ? "engine|version|conformance|settings"
                                           : "engine|version|conformance");
     for (int i = 0; i < results->configuration_count; ++i) {
-        pl_text_buffer text = {0};
-        pl_conformance_text(results, i, &text);
-        char *conformance = pl_text_take(&text);
+        char *conformance = pl_conformance_text(results, i);
         pl_table_add(&table, results->configurations[i].name);
         pl_table_add(&table, results->configurations[i].version);
         pl_table_add(&table, conformance);
         if (has_settings) {
-            add_settings(json_object_get(first_run(results, i)->result, "settings"), &table);
+            add_settings(json_object_get(pl_first_run(results, i)->result, "settings"), &table);
         }
         free(conformance);
     }
