@@ -78,10 +78,8 @@ pl_status pl_case_scene_build(const pl_result_case *test_case, pl_scene *scene, 
 json_t *pl_rounded_json(double value)
 {
     char text[32];
-    double rounded = 0;
     snprintf(text, sizeof text, "%.6g", value);
-    (void)sscanf(text, "%lf", &rounded);
-    return pl_json_number_or_null(rounded);
+    return pl_json_number_or_null(strtod(text, NULL));
 }
 
 static json_t *numbers(const double *values, int count)

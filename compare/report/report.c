@@ -34,35 +34,24 @@ static void add_comma(pl_text_buffer *out)
 {
     pl_text_add(out, out->length == 0 || out->data[out->length - 1] == '\n' ? "" : ",");
 }
-/* Adds a field. A real number has a point or an exponent, so that the type of a column does not depend on its
- * values. */
+
+/* Adds a field, empty for null. A real number has a point or an exponent, so that the type of a column does not depend
+ * on its values. */
 static void add_value(const json_t *value, pl_text_buffer *out)
 {
-    char *text = NULL;
     char digits[32];
-    switch (value == NULL ? JSON_NULL : json_typeof(value)) {
-    case JSON_NULL:
+    if (value == NULL || json_is_null(value)) {
         return;
-    case JSON_STRING:
+    }
+    if (json_is_string(value)) {
         pl_text_add_csv(out, json_string_value(value));
-        return;
-    case JSON_REAL:
+    } else if (json_is_real(value)) {
         snprintf(digits, sizeof digits, "%.17g", json_real_value(value));
         pl_text_format(out, "%s%s", digits, strpbrk(digits, ".e") == NULL ? ".0" : "");
-        return;
-    case JSON_INTEGER:
-        pl_text_format(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
-        return;
-    case JSON_TRUE:
-    case JSON_FALSE:
-        pl_text_add(out, json_is_true(value) ? "true" : "false");
-        return;
-    case JSON_OBJECT:
-    case JSON_ARRAY:
-        text = pl_result_to_line(value);
+    } else {
+        char *text = pl_result_to_line(value);
         pl_text_add_csv(out, text);
         free(text);
-        return;
     }
 }
 

@@ -48,10 +48,7 @@ static void add_home(const pl_report *report, pl_reader reader, pl_document *doc
     const bool is_terminal = reader == PL_READER_TERMINAL;
     const int shown = is_terminal ? LOSSES_ON_TERMINAL : SHOWN_LOSSES;
     if (report->results->home != NULL) {
-        pl_losses_describe(&report->losses, shown, document);
-        if (!is_terminal) {
-            pl_losses_describe_rule(document);
-        }
+        pl_losses_describe(&report->losses, shown, is_terminal, document);
         pl_findings_describe(&report->findings, true, is_terminal ? 0 : shown, is_terminal,
                              document);
     }
@@ -67,15 +64,6 @@ static void add_warnings(const pl_result_table *results, pl_document *document)
         pl_document_paragraph(document,
                               "Not deterministic: some repeats of the same run differ where they "
                               "should agree. The cells are marked.");
-    }
-}
-
-static void add_findings(const pl_report *report, pl_reader reader, pl_document *document)
-{
-    if (report->findings.others.runs > 0) {
-        pl_document_heading(document, "Findings");
-        pl_findings_describe(&report->findings, false, 0, reader == PL_READER_TERMINAL, document);
-        pl_findings_describe_adapters(&report->findings, document);
     }
 }
 
@@ -239,7 +227,7 @@ void pl_report_document(const pl_report *report, pl_reader reader, pl_document *
     } else {
         add_results(report, reader, document);
     }
-    add_findings(report, reader, document);
+    pl_findings_describe(&report->findings, false, 0, reader == PL_READER_TERMINAL, document);
     if (reader == PL_READER_TERMINAL) {
         add_engines(results, reader, document);
         pl_section_verdicts(results, document);
