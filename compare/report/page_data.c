@@ -132,8 +132,7 @@ static void set_catalogue(const pl_scenario *scenario, json_t *object)
 typedef struct given {
     pl_param param;
     const json_t *value;
-    bool
-        is_time; /* the time step or the duration of a scene file, which are no parameters of its own */
+    bool is_time; /* of a scene file: the time step or the duration, no parameters of its own */
 } given;
 
 static void add_given(const pl_param *param, const json_t *values, bool is_time, given **list,
