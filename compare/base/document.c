@@ -120,23 +120,23 @@ typedef struct writer {
     bool colour;
 } writer;
 
-/* Adds a line after a mark: folded for a terminal, escaped in Markdown. */
+/* Adds a text after a mark: on one line in Markdown, escaped; folded for a terminal. */
 static void add_line(const writer *w, const char *mark, const char *text)
 {
     pl_text_buffer line = {0};
     pl_text_add(&line, mark);
-    if (w->width > 0) {
-        pl_text_format(&line, "%s\n", text);
-    } else {
+    if (w->width == 0) {
         pl_text_add_markdown(&line, text);
-        pl_text_add(&line, "\n");
+    } else {
+        pl_text_add_plain(&line, text, strlen(text));
     }
     char *whole = pl_text_take(&line);
-    if (w->width > 0) {
-        pl_text_add_folded(w->out, whole, w->width);
-    } else {
+    if (w->width == 0) {
         pl_text_add(w->out, whole);
+    } else {
+        pl_text_add_folded(w->out, whole, w->width);
     }
+    pl_text_add(w->out, "\n");
     free(whole);
 }
 

@@ -98,8 +98,8 @@ char *pl_document_markdown(const pl_document *document);
 /* All tables as CSV, each after a line with its caption, those of a section after a line with its heading. */
 char *pl_document_csv(const pl_document *document);
 
-/* {"title", "sections": [{"title", "blocks": [...]}]}: a block is {"text"}, {"item"}, {"caption", "columns", "most", "rows"}
- * or a plot {"kind", "caption", "x", "y", "rule", "rows"}. A new reference. */
+/* {"title", "sections": [{"title", "blocks": [...]}]}: a block is {"text"}, {"item"}, a table {"caption", "columns",
+ * "most", "rows"} or a plot {"kind", "caption", "x", "y", "rule", "rows"}. A new reference. */
 json_t *pl_document_json(const pl_document *document);
 
 #endif

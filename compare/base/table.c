@@ -131,107 +131,37 @@ const char *pl_table_text(const pl_table *table, int row, int column)
 
 /* ---- Writing ---- */
 
-/* What a call to pl_table_write uses. */
-typedef struct writer {
-    const pl_table *table;
-    pl_table_format format;
-    pl_text_buffer *out;
-    int *width; /* (column_count) in padded Markdown */
-} writer;
-
-/* Bars of a padded Markdown table, which are escaped. */
-static int count_bars(const char *text)
+static void add_markdown_rule(const pl_table *table, pl_text_buffer *out)
 {
-    int count = 0;
-    for (; *text != '\0'; ++text) {
-        count += *text == '|';
+    for (int k = 0; k < table->column_count; ++k) {
+        pl_text_add(out, table->headings[k].align == PL_RIGHT ? "|---:" : "|---");
     }
-    return count;
+    pl_text_add(out, "|\n");
 }
 
-/* Of padded Markdown. */
-static int column_width(const pl_table *table, int column)
+static void add_markdown_row(const pl_table *table, int row, pl_text_buffer *out)
 {
-    int widest = 3;
-    for (int row = -1; row < pl_table_rows(table); ++row) {
-        const char *text = pl_table_text(table, row, column);
-        if (text != NULL && !pl_table_cell_at(table, row, column)->is_span) {
-            const int width = pl_text_width(text) + count_bars(text);
-            widest = width > widest ? width : widest;
-        }
-    }
-    return widest;
-}
-
-/* A cell of padded Markdown, in which only a bar would break the table. */
-static void add_padded(pl_text_buffer *out, const char *text, int width, pl_table_align align)
-{
-    const int spaces = width - pl_text_width(text) - count_bars(text);
-    pl_text_add_spaces(out, align == PL_RIGHT ? spaces : 0);
-    for (const char *c = text; *c != '\0'; ++c) {
-        pl_text_add(out, *c == '|' ? "\\" : "");
-        pl_text_add_bytes(out, (unsigned char)*c < 0x20 ? "?" : c, 1);
-    }
-    pl_text_add_spaces(out, align == PL_RIGHT ? 0 : spaces);
-}
-
-static void write_markdown_rule(const writer *w)
-{
-    for (int k = 0; k < w->table->column_count; ++k) {
-        const bool is_right = w->table->headings[k].align == PL_RIGHT;
-        pl_text_add(w->out, "|---");
-        for (int i = 3; w->format == PL_TABLE_MARKDOWN_PADDED && i < w->width[k] + 2 - is_right;
-             ++i) {
-            pl_text_add(w->out, "-");
-        }
-        pl_text_add(w->out, is_right ? ":" : "");
-    }
-    pl_text_add(w->out, "|\n");
-}
-
-static void write_markdown_row(const writer *w, int row)
-{
-    const pl_table *table = w->table;
     for (int k = 0; k < table->column_count; ++k) {
         const char *text = pl_table_text(table, row, k);
-        text = text == NULL ? "" : text;
-        pl_text_add(w->out, "| ");
-        if (w->format == PL_TABLE_MARKDOWN_PADDED) {
-            add_padded(w->out, text, w->width[k], table->headings[k].align);
-        } else if (pl_table_cell_at(table, row, k)->is_markup) {
-            pl_text_add(w->out, text);
+        pl_text_add(out, "| ");
+        if (pl_table_cell_at(table, row, k)->is_markup) {
+            pl_text_add(out, text);
         } else {
-            pl_text_add_markdown(w->out, text);
+            pl_text_add_markdown(out, text == NULL ? "" : text);
         }
-        pl_text_add(w->out, " ");
+        pl_text_add(out, " ");
     }
-    pl_text_add(w->out, "|\n");
-    if (row < 0) {
-        write_markdown_rule(w);
-    }
+    pl_text_add(out, "|\n");
 }
 
-static void write_csv_row(const writer *w, int row)
+static void add_csv_row(const pl_table *table, int row, pl_text_buffer *out)
 {
-    const pl_table *table = w->table;
     for (int k = 0; k < table->column_count; ++k) {
         const char *text = pl_table_text(table, row, k);
-        pl_text_add(w->out, k == 0 ? "" : ",");
-        pl_text_add_csv(w->out, text == NULL ? "" : text);
+        pl_text_add(out, k == 0 ? "" : ",");
+        pl_text_add_csv(out, text == NULL ? "" : text);
     }
-    pl_text_add(w->out, table->line_end == NULL ? "\r\n" : table->line_end);
-}
-
-static void write_rows(const writer *w, int first, int last)
-{
-    static void (*const write_row[])(const writer *w,
-                                     int row) = {[PL_TABLE_MARKDOWN] = write_markdown_row,
-                                                 [PL_TABLE_MARKDOWN_PADDED] = write_markdown_row,
-                                                 [PL_TABLE_CSV] = write_csv_row};
-    write_row[w->format](w, -1);
-    for (int row = first; row < last; ++row) {
-        write_row[w->format](w, row);
-    }
+    pl_text_add(out, table->line_end == NULL ? "\r\n" : table->line_end);
 }
 
 void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffer *out)
@@ -245,13 +175,15 @@ void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffe
         pl_table_write_text(table, table->first, last, out);
         return;
     }
-    int *width = pl_heap_new((size_t)table->column_count, sizeof *width);
-    for (int k = 0; k < table->column_count && format == PL_TABLE_MARKDOWN_PADDED; ++k) {
-        width[k] = column_width(table, k);
+    void (*const add_row)(const pl_table *, int, pl_text_buffer *) =
+        format == PL_TABLE_CSV ? add_csv_row : add_markdown_row;
+    add_row(table, -1, out);
+    if (format == PL_TABLE_MARKDOWN) {
+        add_markdown_rule(table, out);
     }
-    const writer w = {.table = table, .format = format, .out = out, .width = width};
-    write_rows(&w, table->first, last);
-    free(width);
+    for (int row = table->first; row < last; ++row) {
+        add_row(table, row, out);
+    }
 }
 
 void pl_table_print(pl_table *table, FILE *out)

@@ -2,7 +2,7 @@
 
 #include "base/folding.h"
 #include "base/heap.h"
-#include "report/study_page.h"
+#include "report/page.h"
 #include "results/result_table.h"
 #include "results/store.h"
 

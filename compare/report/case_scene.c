@@ -1,47 +1,39 @@
 #include "case_scene.h"
 
+#include "base/heap.h"
 #include "plumb/vec.h"
 #include "results/result.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
-/* Settings of parameters, as pl_scenario_values takes them. */
-typedef struct settings {
-    char texts[PL_MAX_PARAMS][PL_NAME_SIZE + 32];
-    const char *items[PL_MAX_PARAMS]; /* (count): the texts */
-    int count;
-} settings;
-
-/* Adds "NAME=VALUE" to the settings where the value is a number; else the parameter has its default, and
- * the hash shows whether that has changed. */
-static void add_setting(settings *made, const char *name, const json_t *value)
-{
-    if (json_is_number(value)) {
-        char *text = made->texts[made->count];
-        snprintf(text, sizeof made->texts[0], "%s=%.17g", name, json_number_value(value));
-        made->items[made->count++] = text;
-    }
-}
-
 /* Builds the scene with the parameters of the case, for a file also with the run's step and
- * duration. */
+ * duration. One without a number has its default, and the hash shows whether that has changed. */
 static pl_status build(const pl_result_case *test_case, const pl_scenario *scenario,
                        pl_scene *scene, pl_error *error)
 {
     double values[PL_MAX_PARAMS];
-    settings made = {.count = 0};
+    pl_text_buffer text = {0};
     const json_t *params = test_case->row->params;
     for (int i = 0; i < scenario->param_count; ++i) {
         const char *name = scenario->params[i].name;
         const bool is_time = strcmp(name, "dt") == 0 || strcmp(name, "duration") == 0;
         const bool is_run = scenario->file != NULL && is_time;
         const json_t *from = is_run ? json_object_get(test_case->row->result, "settings") : params;
-        add_setting(&made, name, json_object_get(from, name));
+        const json_t *value = json_object_get(from, name);
+        if (json_is_number(value)) {
+            pl_text_format(&text, "%s%s=%.17g", text.length > 0 ? "," : "", name,
+                           json_number_value(value));
+        }
     }
-    pl_status status = pl_scenario_values(scenario, made.items, made.count, values, error);
+    char *settings = pl_text_take(&text);
+    const char *const items[] = {settings};
+    pl_status status =
+        pl_scenario_values(scenario, items, settings[0] == '\0' ? 0 : 1, values, error);
+    free(settings);
     return status != PL_OK
                ? status
                : pl_scenario_build(scenario, values, (uint64_t)test_case->row->seed, scene, error);
@@ -86,10 +78,8 @@ pl_status pl_case_scene_build(const pl_result_case *test_case, pl_scene *scene, 
 json_t *pl_rounded_json(double value)
 {
     char text[32];
-    double rounded = 0;
     snprintf(text, sizeof text, "%.6g", value);
-    (void)sscanf(text, "%lf", &rounded);
-    return pl_json_number_or_null(rounded);
+    return pl_json_number_or_null(strtod(text, NULL));
 }
 
 static json_t *numbers(const double *values, int count)

@@ -1,9 +1,9 @@
 #include "findings.h"
 
-#include "adapter_trust.h"
 #include "base/heap.h"
 #include "base/number_format.h"
 #include "results/result.h"
+#include "sections.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -96,6 +96,25 @@ static void add_row(const pl_result_table *results, const pl_engine_finding *fin
     }
 }
 
+/* Of the engines that have a finding: reports accuse no others. */
+static void add_adapters(const pl_all_findings *all, pl_document *document)
+{
+    bool *listed = pl_heap_new((size_t)all->results->configuration_count, sizeof *listed);
+    for (int i = 0; i < all->others.count; ++i) {
+        listed[all->others.items[i].cell->configuration] = true;
+    }
+    if (all->others.count > 0) {
+        pl_document_paragraph(document,
+                              "Causes were found by experiment with %s; each is shown only for the "
+                              "version, profile and parameters of its experiment. Where the "
+                              "conformance of an engine is not verified or FAILED, a deviation may "
+                              "be its adapter's.",
+                              pl_json_get_text(all->causes, "found_with"));
+        pl_describe_read_back(all->results, listed, document);
+    }
+    free(listed);
+}
+
 void pl_findings_describe(const pl_all_findings *all, bool home, int shown, bool is_short,
                           pl_document *document)
 {
@@ -112,6 +131,9 @@ void pl_findings_describe(const pl_all_findings *all, bool home, int shown, bool
         add_row(all->results, &findings->items[i], is_short, &table);
         known += cause_of(&findings->items[i])[0] != '\0';
     }
+    if (!home) {
+        pl_document_heading(document, "Findings");
+    }
     char *names = pl_engine_names(all->results, home);
     char *causes = findings->count == 0 ? pl_heap_copy("")
                                         : pl_heap_format("; of %d the cause is known", known);
@@ -120,21 +142,7 @@ void pl_findings_describe(const pl_all_findings *all, bool home, int shown, bool
     free(names);
     free(causes);
     pl_document_table(document, "Runs that are not accurate", &table);
-}
-
-/* Of the engines that have a finding: reports accuse no others. */
-void pl_findings_describe_adapters(const pl_all_findings *all, pl_document *document)
-{
-    bool *listed = pl_heap_new((size_t)all->results->configuration_count, sizeof *listed);
-    for (int i = 0; i < all->others.count; ++i) {
-        listed[all->others.items[i].cell->configuration] = true;
+    if (!home) {
+        add_adapters(all, document);
     }
-    if (all->others.count > 0) {
-        pl_describe_adapters(all->results, listed, document);
-        pl_document_paragraph(document,
-                              "Causes were found by experiment with %s; each is shown only for the "
-                              "version, profile and parameters of its experiment.",
-                              pl_json_get_text(all->causes, "found_with"));
-    }
-    free(listed);
 }

@@ -13,14 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Values below the floor of a metric are equal.
- *
- * Lengths, speeds, angles and relative numbers: 1e-9 (SI). Double precision resolves 1.4e-14 m at
- * 100 m; over 10^4 steps such errors add up to about 1e-10. So a smaller value is rounding, of the
- * engine or of the referee, and a nanometre is far below what a simulation needs.
- *
- * Memory is counted in whole pages, and the allocator takes some ahead of need: 256 KiB. The time
- * to rest is known to one step. */
+/* Values below the floor of a metric (SI) are equal; add_rule says why. Double precision resolves 1.4e-14
+ * m at 100 m; over 10^4 steps such errors add up to about 1e-10. A nanometre is far below what a simulation needs. */
 static const double value_floor = 1e-9, relative_noise = 0.1;
 
 /* Of two values below this (SI) the ratio means nothing: such a value is the residual that a solver
@@ -101,12 +95,9 @@ static int first_good_other(const comparison *of)
 
 static void add_loss(const comparison *of, int home, int best, pl_loss loss, pl_losses *losses)
 {
-    loss.test_case = of->test_case;
     loss.metric = of->metric;
-    loss.home = configuration_of(of, home);
-    loss.home_cell = &of->test_case->cells[home];
-    loss.best = configuration_of(of, best);
-    loss.best_cell = &of->test_case->cells[best];
+    loss.home = &of->test_case->cells[home];
+    loss.best = &of->test_case->cells[best];
     pl_push(&losses->items, &losses->count, &loss, sizeof loss);
 }
 
@@ -193,19 +184,11 @@ static int rank_of(const pl_loss *loss)
 static int compare_losses(const void *left, const void *right)
 {
     const pl_loss *a = left, *b = right;
-    if (rank_of(a) != rank_of(b)) {
-        return rank_of(a) < rank_of(b) ? -1 : 1;
-    }
-    if (a->ratio != b->ratio) {
-        return a->ratio > b->ratio ? -1 : 1;
-    }
-    if (a->test_case != b->test_case) {
-        return a->test_case < b->test_case ? -1 : 1;
-    }
-    if (a->metric != b->metric) {
-        return a->metric < b->metric ? -1 : 1;
-    }
-    return (a->home > b->home) - (a->home < b->home);
+    int order = rank_of(a) - rank_of(b);
+    order = order != 0 ? order : (a->ratio < b->ratio) - (a->ratio > b->ratio);
+    order = order != 0 ? order : a->home->test_case - b->home->test_case;
+    order = order != 0 ? order : a->metric - b->metric;
+    return order != 0 ? order : a->home->configuration - b->home->configuration;
 }
 
 void pl_losses_find(const pl_result_table *results, pl_losses *losses)
@@ -266,14 +249,14 @@ static void add_statement(const pl_losses *losses, pl_document *document)
 }
 
 /* Adds an engine and its value, which says so where another engine's run is inaccurate. */
-static void add_value(const pl_result_configuration *configuration, const pl_result_cell *cell,
-                      const pl_loss *loss, bool is_home, pl_table *table)
+static void add_value(const pl_result_table *results, const pl_loss *loss,
+                      const pl_result_cell *cell, pl_table *table)
 {
     char text[PL_METRIC_TEXT_SIZE];
-    const bool is_inaccurate = !is_home && cell->worst->verdict == PL_VERDICT_INACCURATE;
+    const bool is_inaccurate = cell == loss->best && cell->worst->verdict == PL_VERDICT_INACCURATE;
     const pl_metric_summary value = pl_result_cell_metric(cell, loss->metric);
     pl_metric_text(&value, text);
-    pl_table_add(table, configuration->name);
+    pl_table_add(table, results->configurations[cell->configuration].name);
     if (loss->kind == PL_LOSS_OUTCOME) {
         pl_table_add(table, pl_outcome_name(cell->worst->outcome));
     } else {
@@ -281,21 +264,20 @@ static void add_value(const pl_result_configuration *configuration, const pl_res
     }
 }
 
-static void add_row(const pl_loss *loss, pl_table *table)
+static void add_row(const pl_result_table *results, const pl_loss *loss, pl_table *table)
 {
-    const char *primary = loss->home_cell->worst->primary_error;
-    const bool is_primary = loss->metric == PL_METRIC_REFERENCE_ERROR && primary[0] != '\0';
+    const char *primary = loss->home->worst->primary_error;
     char ratio[PL_QUANTITY_SIZE];
-    pl_table_add(table, loss->test_case->name);
+    pl_table_add(table, results->cases[loss->home->test_case].name);
     if (loss->kind == PL_LOSS_OUTCOME) {
         pl_table_add(table, "outcome");
+    } else if (loss->metric == PL_METRIC_REFERENCE_ERROR && primary[0] != '\0') {
+        pl_table_format_cell(table, "%s (%s)", pl_metric_table[loss->metric].name, primary);
     } else {
-        pl_table_format_cell(table, "%s%s%s%s", pl_metric_table[loss->metric].name,
-                             is_primary ? " (" : "", is_primary ? primary : "",
-                             is_primary ? ")" : "");
+        pl_table_add(table, pl_metric_table[loss->metric].name);
     }
-    add_value(loss->home, loss->home_cell, loss, true, table);
-    add_value(loss->best, loss->best_cell, loss, false, table);
+    add_value(results, loss, loss->home, table);
+    add_value(results, loss, loss->best, table);
     pl_format_ratio(loss->ratio, ratio);
     pl_table_add(table, loss->near_rounding           ? "both near rounding"
                         : loss->kind == PL_LOSS_VALUE ? ratio
@@ -303,22 +285,8 @@ static void add_row(const pl_loss *loss, pl_table *table)
     pl_table_style(table, "bad");
 }
 
-void pl_losses_describe(const pl_losses *losses, int shown, pl_document *document)
-{
-    pl_table table = {.last = shown};
-    if (losses->results->home == NULL) {
-        return;
-    }
-    pl_table_columns(&table, "case|metric|home|>value|best other|>value|>ratio");
-    for (int i = 0; i < losses->count; ++i) {
-        add_row(&losses->items[i], &table);
-    }
-    pl_document_heading(document, "Where %s loses", losses->results->home);
-    add_statement(losses, document);
-    pl_document_table(document, "Comparisons that the home engine loses", &table);
-}
-
-void pl_losses_describe_rule(pl_document *document)
+/* Adds which metrics count, and which differences do not. */
+static void add_rule(pl_document *document)
 {
     pl_text_buffer text = {0};
     pl_text_add(&text,
@@ -348,4 +316,22 @@ void pl_losses_describe_rule(pl_document *document)
         "are "
         "below 1e-7, near rounding and the tolerances of solvers.");
     pl_document_words(document, &text);
+}
+
+void pl_losses_describe(const pl_losses *losses, int shown, bool is_short, pl_document *document)
+{
+    pl_table table = {.last = shown};
+    if (losses->results->home == NULL) {
+        return;
+    }
+    pl_table_columns(&table, "case|metric|home|>value|best other|>value|>ratio");
+    for (int i = 0; i < losses->count; ++i) {
+        add_row(losses->results, &losses->items[i], &table);
+    }
+    pl_document_heading(document, "Where %s loses", losses->results->home);
+    add_statement(losses, document);
+    pl_document_table(document, "Comparisons that the home engine loses", &table);
+    if (!is_short) {
+        add_rule(document);
+    }
 }

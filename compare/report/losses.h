@@ -15,10 +15,9 @@ typedef enum pl_loss_kind {
 /* One loss. */
 typedef struct pl_loss {
     pl_loss_kind kind;
-    const pl_result_case *test_case;
-    const pl_result_configuration *home, *best; /* best: of the other engines whose outcome is ok */
-    const pl_result_cell *home_cell, *best_cell; /* of `home` and `best` on the case */
-    int metric;                                  /* of the two kinds that have one */
+    const pl_result_cell *home,
+        *best;    /* of one case; best: of the other engines whose outcome is ok */
+    int metric;   /* of the two kinds that have one */
     double ratio; /* home / the larger of best and the metric's floor; INFINITY for other kinds */
     bool near_rounding; /* PL_LOSS_VALUE: neither value is large enough to matter */
 } pl_loss;
@@ -39,11 +38,9 @@ void pl_losses_find(const pl_result_table *results, pl_losses *losses);
 /* Frees the losses. */
 void pl_losses_free(pl_losses *losses);
 
-/* Adds where the home engine loses: how many losses in how many comparisons, and a table of them. Nothing without a
- * home engine. */
-void pl_losses_describe(const pl_losses *losses, int shown, pl_document *document);
-
-/* Adds in words which metrics count, and which differences do not. */
-void pl_losses_describe_rule(pl_document *document);
+/* Adds where the home engine loses: how many losses in how many comparisons, a table of them, in which `shown` rows are
+ * shown at first, and unless `is_short` which metrics count, and which differences do not. Nothing without a home
+ * engine. */
+void pl_losses_describe(const pl_losses *losses, int shown, bool is_short, pl_document *document);
 
 #endif

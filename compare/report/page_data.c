@@ -60,20 +60,6 @@ static json_t *provenance_json(const pl_result_table *results)
     return object;
 }
 
-static json_t *command_json(const pl_result_table *results)
-{
-    const json_t *command =
-        results->case_count == 0 ? NULL : json_object_get(results->cases[0].row->result, "command");
-    pl_text_buffer line = {0};
-    for (size_t i = 0; i < json_array_size(command); ++i) {
-        const char *word = json_string_value(json_array_get(command, i));
-        pl_text_format(&line, "%s%s", i == 0 ? "" : " ", word == NULL ? "" : word);
-    }
-    json_t *text = text_or_null(line.data);
-    pl_text_free(&line);
-    return text;
-}
-
 /* The engine configurations in the report's order. */
 static json_t *engines_json(const pl_result_table *results)
 {
@@ -146,8 +132,7 @@ static void set_catalogue(const pl_scenario *scenario, json_t *object)
 typedef struct given {
     pl_param param;
     const json_t *value;
-    bool
-        is_time; /* the time step or the duration of a scene file, which are no parameters of its own */
+    bool is_time; /* of a scene file: the time step or the duration, no parameters of its own */
 } given;
 
 static void add_given(const pl_param *param, const json_t *values, bool is_time, given **list,
@@ -288,21 +273,18 @@ static json_t *cell_json(const pl_result_case *test_case, const pl_result_cell *
 
 static void set_bound(const pl_result_case *test_case, json_t *object)
 {
-    char bound[PL_QUANTITY_SIZE];
-    const char *reason = "";
+    char text[PL_QUANTITY_SIZE];
+    const pl_scenario *scenario = test_case->row->catalogue;
+    const double bound = pl_case_bound(test_case, text);
     const int id = pl_metric_by_name(test_case->row->primary_error);
     set_text(object, "primary_error", test_case->row->primary_error);
     set_text(object, "unit", id < 0 ? "" : pl_metric_table[id].unit);
-    set_text(object, "primary_definition", id < 0 ? "" : pl_metric_table[id].definition);
-    if (pl_case_acceptance(test_case, bound, &reason)) {
-        set_text(object, "bound_text", bound);
-        set_text(object, "bound_reason", reason);
+    if (isfinite(bound)) {
+        set_text(object, "bound_text", text);
+        json_object_set_new(object, "bound", json_real(bound));
     }
-    for (int i = 0; i < test_case->count; ++i) {
-        const json_t *value = json_object_get(test_case->cells[i].worst->result, "acceptance");
-        if (json_is_number(value)) {
-            json_object_set_new(object, "bound", json_real(json_number_value(value)));
-        }
+    if (scenario != NULL && scenario->acceptance == bound) {
+        set_text(object, "bound_reason", scenario->acceptance_reason);
     }
 }
 
@@ -340,13 +322,15 @@ json_t *pl_page_data(const pl_report *report)
 {
     const pl_result_table *results = report->results;
     json_t *cases = json_array();
+    json_t *command =
+        results->case_count == 0 ? NULL : json_object_get(results->cases[0].row->result, "command");
     for (int i = 0; i < results->case_count; ++i) {
         json_array_append_new(cases, case_json(results, &results->cases[i]));
     }
-    return json_pack("{s:s, s:i, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "kind", "report",
+    return json_pack("{s:s, s:i, s:b, s:b, s:o, s:O?, s:o, s:o, s:o, s:o, s:o}", "kind", "report",
                      "runs", results->row_count, "several_hosts", (int)results->several_hosts,
                      "disagrees", (int)results->disagrees, "provenance", provenance_json(results),
-                     "command", command_json(results), "engines", engines_json(results), "cases",
-                     cases, "document", document_json(report), "metrics", pl_page_data_metrics(),
-                     "words", pl_engine_words());
+                     "command", command, "engines", engines_json(results), "cases", cases,
+                     "document", document_json(report), "metrics", pl_page_data_metrics(), "words",
+                     pl_engine_words());
 }

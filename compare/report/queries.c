@@ -3,6 +3,7 @@
 #include "base/heap.h"
 #include "base/text_buffer.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -61,22 +62,16 @@ const char *pl_cell_why(const pl_result_cell *cell)
                : pl_json_get_text(cell->worst->result, "verdict_reason");
 }
 
-bool pl_case_acceptance(const pl_result_case *test_case, char bound[PL_QUANTITY_SIZE],
-                        const char **reason)
+double pl_case_bound(const pl_result_case *test_case, char text[PL_QUANTITY_SIZE])
 {
-    const pl_scenario *scenario = test_case->row->catalogue;
     const int metric = pl_metric_by_name(test_case->row->primary_error);
     for (int i = 0; i < test_case->count; ++i) {
-        const json_t *result = test_case->cells[i].worst->result;
-        const json_t *acceptance = json_object_get(result, "acceptance");
-        if (json_is_number(acceptance)) {
-            const double value = json_number_value(acceptance);
-            const bool is_known = scenario != NULL && scenario->acceptance == value &&
-                                  scenario->acceptance_reason != NULL;
-            pl_format_given(value, metric < 0 ? "1" : pl_metric_table[metric].unit, bound);
-            *reason = is_known ? scenario->acceptance_reason : "";
-            return true;
+        const json_t *bound = json_object_get(test_case->cells[i].worst->result, "acceptance");
+        if (json_is_number(bound)) {
+            pl_format_given(json_number_value(bound),
+                            metric < 0 ? "1" : pl_metric_table[metric].unit, text);
+            return json_number_value(bound);
         }
     }
-    return false;
+    return (double)NAN;
 }

@@ -27,9 +27,8 @@ void pl_cell_verdict(const pl_result_cell *cell, char text[PL_CELL_VERDICT_SIZE]
  * Borrowed; "" when there is none. */
 const char *pl_cell_why(const pl_result_cell *cell);
 
-/* Writes the largest primary error of an accurate run of the case, with its unit, and in *reason
- * why it is that: borrowed, "" when it is not known. False where no run of the case states one. */
-bool pl_case_acceptance(const pl_result_case *test_case, char bound[PL_QUANTITY_SIZE],
-                        const char **reason);
+/* Returns the largest primary error of an accurate run of the case, and writes it with its unit; NAN where no run of
+ * the case states one. */
+double pl_case_bound(const pl_result_case *test_case, char text[PL_QUANTITY_SIZE]);
 
 #endif

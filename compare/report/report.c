@@ -34,35 +34,24 @@ static void add_comma(pl_text_buffer *out)
 {
     pl_text_add(out, out->length == 0 || out->data[out->length - 1] == '\n' ? "" : ",");
 }
-/* Adds a field. A real number has a point or an exponent, so that the type of a column does not depend on its
- * values. */
+
+/* Adds a field, empty for null. A real number has a point or an exponent, so that the type of a column does not depend
+ * on its values. */
 static void add_value(const json_t *value, pl_text_buffer *out)
 {
-    char *text = NULL;
     char digits[32];
-    switch (value == NULL ? JSON_NULL : json_typeof(value)) {
-    case JSON_NULL:
+    if (value == NULL || json_is_null(value)) {
         return;
-    case JSON_STRING:
+    }
+    if (json_is_string(value)) {
         pl_text_add_csv(out, json_string_value(value));
-        return;
-    case JSON_REAL:
+    } else if (json_is_real(value)) {
         snprintf(digits, sizeof digits, "%.17g", json_real_value(value));
         pl_text_format(out, "%s%s", digits, strpbrk(digits, ".e") == NULL ? ".0" : "");
-        return;
-    case JSON_INTEGER:
-        pl_text_format(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
-        return;
-    case JSON_TRUE:
-    case JSON_FALSE:
-        pl_text_add(out, json_is_true(value) ? "true" : "false");
-        return;
-    case JSON_OBJECT:
-    case JSON_ARRAY:
-        text = pl_result_to_line(value);
+    } else {
+        char *text = pl_result_to_line(value);
         pl_text_add_csv(out, text);
         free(text);
-        return;
     }
 }
 
@@ -146,29 +135,21 @@ void pl_report_csv(const pl_result_table *results, pl_text_buffer *out)
 typedef struct report_file {
     const char *name;
     pl_text_buffer text;
-    char final[PATH_MAX], temporary[PATH_MAX];
-    bool written;
+    char *final, *temporary; /* NULL: not written */
 } report_file;
 
 static pl_status write_temporary(report_file *file, const char *directory, pl_error *error)
 {
     pl_error cause = {PL_OK, ""};
-    int length = snprintf(file->temporary, sizeof file->temporary, "%s/.%s.%ld.tmp", directory,
-                          file->name, (long)getpid());
-    if (length < 0 || (size_t)length >= sizeof file->temporary) {
-        return pl_fail(error, PL_IO, "%.200s: the path is too long", directory);
-    }
-    snprintf(file->final, sizeof file->final, "%.*s/%s", (int)strlen(directory), directory,
-             file->name);
-    pl_status status = pl_write_buffer(file->temporary, &file->text, &cause);
-    if (status != PL_OK) {
-        return pl_fail(error, status, "%.200s cannot be written: %.200s", file->final,
-                       cause.message);
-    }
-    file->written = true;
-    return PL_OK;
+    file->final = pl_heap_format("%s/%s", directory, file->name);
+    file->temporary = pl_heap_format("%s/.%s.%ld.tmp", directory, file->name, (long)getpid());
+    const pl_status status = pl_write_buffer(file->temporary, &file->text, &cause);
+    return status == PL_OK ? PL_OK
+                           : pl_fail(error, status, "%.200s cannot be written: %.200s", file->final,
+                                     cause.message);
 }
 
+/* Writes all or none. */
 static pl_status write_files(report_file *files, int count, const pl_report_def *def,
                              pl_error *error)
 {
@@ -179,17 +160,18 @@ static pl_status write_files(report_file *files, int count, const pl_report_def 
         }
     }
     for (int i = 0; i < count && status == PL_OK; ++i) {
-        if (files[i].written && rename(files[i].temporary, files[i].final) != 0) {
+        if (files[i].temporary != NULL && rename(files[i].temporary, files[i].final) != 0) {
             status = pl_fail(error, PL_IO, "%.300s cannot be replaced: %s", files[i].final,
                              strerror(errno));
-        } else {
-            files[i].written = false;
         }
     }
     for (int i = 0; i < count; ++i) {
-        if (files[i].written) {
-            unlink(files[i].temporary);
+        if (files[i].temporary != NULL) {
+            unlink(files[i].temporary); /* of a file that was not renamed */
         }
+        free(files[i].final);
+        free(files[i].temporary);
+        pl_text_free(&files[i].text);
     }
     return status;
 }
@@ -339,9 +321,6 @@ pl_status pl_report_write(const pl_report_def *def, pl_error *error)
     add_summary(&report, &files[2].text);
     add_page(def, &report, &files[3].text);
     const pl_status status = write_files(files, FILE_COUNT, def, error);
-    for (int i = 0; i < FILE_COUNT; ++i) {
-        pl_text_free(&files[i].text);
-    }
     pl_report_free(&report);
     return status;
 }

@@ -1,6 +1,5 @@
 #include "report_document.h"
 
-#include "adapter_trust.h"
 #include "base/heap.h"
 #include "base/program_name.h"
 #include "results/result.h"
@@ -49,10 +48,7 @@ static void add_home(const pl_report *report, pl_reader reader, pl_document *doc
     const bool is_terminal = reader == PL_READER_TERMINAL;
     const int shown = is_terminal ? LOSSES_ON_TERMINAL : SHOWN_LOSSES;
     if (report->results->home != NULL) {
-        pl_losses_describe(&report->losses, shown, document);
-        if (!is_terminal) {
-            pl_losses_describe_rule(document);
-        }
+        pl_losses_describe(&report->losses, shown, is_terminal, document);
         pl_findings_describe(&report->findings, true, is_terminal ? 0 : shown, is_terminal,
                              document);
     }
@@ -68,15 +64,6 @@ static void add_warnings(const pl_result_table *results, pl_document *document)
         pl_document_paragraph(document,
                               "Not deterministic: some repeats of the same run differ where they "
                               "should agree. The cells are marked.");
-    }
-}
-
-static void add_findings(const pl_report *report, pl_reader reader, pl_document *document)
-{
-    if (report->findings.others.runs > 0) {
-        pl_document_heading(document, "Findings");
-        pl_findings_describe(&report->findings, false, 0, reader == PL_READER_TERMINAL, document);
-        pl_findings_describe_adapters(&report->findings, document);
     }
 }
 
@@ -155,16 +142,6 @@ static void add_failures(const pl_result_table *results, pl_document *document)
     pl_document_table(document, "Failed runs", &table);
 }
 
-/* A run of the configuration on the first case that it has. */
-static const pl_result_row *first_run(const pl_result_table *results, int configuration)
-{
-    const pl_result_cell *cell = NULL;
-    for (int i = 0; cell == NULL; ++i) {
-        cell = pl_result_case_cell(&results->cases[i], configuration);
-    }
-    return cell->worst;
-}
-
 /* Adds what the engine was set to, as a cell: "iterations = 20, erp = 0.2". */
 static void add_settings(const json_t *settings, pl_table *table)
 {
@@ -198,14 +175,12 @@ static void add_engines(const pl_result_table *results, pl_reader reader, pl_doc
     pl_table_columns(&table, has_settings ? "engine|version|conformance|settings"
                                           : "engine|version|conformance");
     for (int i = 0; i < results->configuration_count; ++i) {
-        pl_text_buffer text = {0};
-        pl_conformance_text(results, i, &text);
-        char *conformance = pl_text_take(&text);
+        char *conformance = pl_conformance_text(results, i);
         pl_table_add(&table, results->configurations[i].name);
         pl_table_add(&table, results->configurations[i].version);
         pl_table_add(&table, conformance);
         if (has_settings) {
-            add_settings(json_object_get(first_run(results, i)->result, "settings"), &table);
+            add_settings(json_object_get(pl_first_run(results, i)->result, "settings"), &table);
         }
         free(conformance);
     }
@@ -252,7 +227,7 @@ void pl_report_document(const pl_report *report, pl_reader reader, pl_document *
     } else {
         add_results(report, reader, document);
     }
-    add_findings(report, reader, document);
+    pl_findings_describe(&report->findings, false, 0, reader == PL_READER_TERMINAL, document);
     if (reader == PL_READER_TERMINAL) {
         add_engines(results, reader, document);
         pl_section_verdicts(results, document);

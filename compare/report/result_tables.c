@@ -102,10 +102,10 @@ static void add_run(const pl_result_configuration *configuration, const pl_resul
 static void add_case_heading(const pl_result_case *test_case, pl_table *table)
 {
     const pl_scenario *scenario = test_case->row->catalogue;
-    const char *title = scenario == NULL ? NULL : scenario->title, *reason = NULL;
+    const char *title = scenario == NULL ? NULL : scenario->title;
     const char *primary = test_case->row->primary_error;
     char bound[PL_QUANTITY_SIZE];
-    const bool is_bounded = pl_case_acceptance(test_case, bound, &reason);
+    const bool is_bounded = isfinite(pl_case_bound(test_case, bound));
     char *text = pl_heap_format("%s%s%s%s%s%s%s", test_case->name, title != NULL ? ": " : "",
                                 title != NULL ? title : "",
                                 primary[0] != '\0' ? "; error = " : "; no reference", primary,
@@ -186,9 +186,9 @@ static void add_result(const pl_result_configuration *configuration, const pl_re
 
 static void add_case_name(const pl_result_case *test_case, pl_table *table)
 {
-    const char *primary = test_case->row->primary_error, *reason = "";
+    const char *primary = test_case->row->primary_error;
     char bound[PL_QUANTITY_SIZE];
-    const bool is_bounded = pl_case_acceptance(test_case, bound, &reason);
+    const bool is_bounded = isfinite(pl_case_bound(test_case, bound));
     pl_table_format_cell(table, "%s (%s%s%s)", test_case->name,
                          primary[0] != '\0' ? primary : "no reference",
                          is_bounded ? ", at most " : "", is_bounded ? bound : "");

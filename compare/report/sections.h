@@ -21,4 +21,20 @@ void pl_section_matrix(const pl_result_table *results, pl_document *document);
  * time step and duration, which publications leave open. */
 void pl_section_published(const pl_result_table *results, pl_document *document);
 
+/* ---- What is known of adapters: reports claim no more than that ---- */
+
+/* Returns a run of the configuration on the first case that it has. */
+const pl_result_row *pl_first_run(const pl_result_table *results, int configuration);
+
+/* Returns what is known of a configuration's conformance: "conformance passed (31 checks, plumb 0.9.0)",
+ * "conformance FAILED: 2 of 31 checks", or "not verified: run plumb check-engine SPEC". Checks are
+ * made with a profile's default options: where its label is not that of the profile alone,
+ * the text names the profile. The caller frees. */
+char *pl_conformance_text(const pl_result_table *results, int configuration);
+
+/* Adds, in words, which numbers were read back from the engines of the configurations that are marked in `listed`
+ * (configuration_count), and which were not. */
+void pl_describe_read_back(const pl_result_table *results, const bool *listed,
+                           pl_document *document);
+
 #endif

@@ -1,9 +1,9 @@
-#include "study_page.h"
+/* The page of a study. */
+#include "page.h"
 
 #include "base/file_text.h"
 #include "base/heap.h"
 #include "base/json_field.h"
-#include "page.h"
 #include "results/store.h"
 
 #include <stdio.h>

@@ -41,7 +41,7 @@ def page(path):
     for case in data["cases"]:
         for cell in case["cells"]:
             cell["metrics"] = {name: item for name, item in cell["metrics"].items() if name not in measured}
-    return [data["runs"], data["engines"], data["cases"], data["findings"]]
+    return [data["runs"], data["engines"], data["cases"], data["document"]]
 
 def sweep(path):
     data = json.load(open(path))

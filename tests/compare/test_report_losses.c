@@ -23,8 +23,8 @@ static void test_loss_is_the_ratio_to_the_best_other(void **state)
     const pl_loss *loss = &made.report.losses.items[0];
     assert_int_equal(loss->kind, PL_LOSS_VALUE);
     assert_int_equal(loss->metric, PL_METRIC_DRIFT);
-    assert_string_equal(loss->home->label, "plumb:fast");
-    assert_string_equal(loss->best->label, "ode:quick");
+    assert_string_equal(loss->home->worst->label, "plumb:fast");
+    assert_string_equal(loss->best->worst->label, "ode:quick");
     assert_close(loss->ratio, 3, 0, 1e-15);
     free_report(&made);
 }
@@ -184,7 +184,7 @@ static void test_losses_are_sorted_by_falling_ratio(void **state)
     made_report made = make_report(results);
     assert_int_equal(made.report.losses.count, 5);
     assert_int_equal(made.report.losses.items[0].kind, PL_LOSS_OUTCOME);
-    assert_string_equal(made.report.losses.items[0].test_case->row->scenario, "other");
+    assert_string_equal(made.report.losses.items[0].home->worst->scenario, "other");
     assert_int_equal(made.report.losses.items[1].kind, PL_LOSS_NO_VALUE);
     assert_int_equal(made.report.losses.items[1].metric, PL_METRIC_SETTLE_TIME);
     assert_int_equal(made.report.losses.items[2].metric, PL_METRIC_PENETRATION_MAX);

@@ -28,7 +28,7 @@ export function metrics(list) {
 export function provenance(report) {
   const from = report.provenance;
   const pairs = ['Processor', 'System', 'Compiler', 'Flags', 'Plumb', 'Commit'].map((name) => [name, once(from[name]).join('; ')]);
-  return section('provenance', 'Where the numbers come from', facts([...pairs, ['Started', from.first && (from.first === from.last ? from.first : `${from.first} to ${from.last}`)], ['Command', report.command && h('code', {}, report.command)]]));
+  return section('provenance', 'Where the numbers come from', facts([...pairs, ['Started', from.first && (from.first === from.last ? from.first : `${from.first} to ${from.last}`)], ['Command', report.command && h('code', {}, report.command.join(' '))]]));
 }
 
 export function licences() {

@@ -14,6 +14,13 @@ export function h(name, properties = {}, ...children) {
   return element;
 }
 
+/* An element of a picture. */
+export function svg(name, attributes, ...children) {
+  const element = document.createElementNS('http://www.w3.org/2000/svg', name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  return add(element, children);
+}
+
 export function add(element, children) {
   for (const child of [children].flat(Infinity)) {
     if (child !== null && child !== undefined && child !== '') element.append(child);

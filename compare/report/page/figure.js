@@ -1,27 +1,18 @@
 /* A picture for a paper: #figure=SCENARIO;t=SECONDS;format=svg. All engines side by side at one time. */
-import { h } from './dom.js';
+import { h, svg } from './dom.js';
 import { Recording } from './recording.js';
 import { finalPoses } from './replay.js';
 import { Stage, aim, boundsAt, boundsOf, cameraFor, draw, drawSvg } from './scene3d.js';
 
 const WIDTH = 320, HEIGHT = 240, CAPTION = 34;
 
-function text(x, y, content, size, weight) {
-  const element = document.createElementNS('http://www.w3.org/2000/svg', 'text');
-  for (const [key, value] of Object.entries({ x, y, 'font-size': size, 'font-weight': weight, 'font-family': 'system-ui,Helvetica,Arial,sans-serif', fill: '#111' })) element.setAttribute(key, value);
-  element.textContent = content;
-  return element;
-}
+const text = (x, y, content, size, weight) => svg('text', { x, y, 'font-size': size, 'font-weight': weight, 'font-family': 'system-ui,Helvetica,Arial,sans-serif', fill: '#111' }, content);
 
 function picture(stage, camera, format) {
   if (format === 'svg') return drawSvg(stage, camera, WIDTH, HEIGHT);
   const canvas = h('canvas');
   draw(canvas, stage, camera, 2 * WIDTH);
-  const image = document.createElementNS('http://www.w3.org/2000/svg', 'image');
-  image.setAttribute('href', canvas.toDataURL());
-  image.setAttribute('width', WIDTH);
-  image.setAttribute('height', HEIGHT);
-  return image;
+  return svg('image', { href: canvas.toDataURL(), width: WIDTH, height: HEIGHT });
 }
 
 export async function figure(report, main) {
@@ -37,23 +28,19 @@ export async function figure(report, main) {
   }
   const bounds = boundsOf(test.scene, runs.filter((r) => r.cell.outcome === 'ok').map((r) => r.poses)), camera = cameraFor(bounds, test.scene);
   const columns = Math.min(runs.length, 4), rows = Math.ceil(runs.length / 4);
-  const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
   const size = [columns * (WIDTH + 10), rows * (HEIGHT + CAPTION + 10)];
-  for (const [key, value] of Object.entries({ xmlns: 'http://www.w3.org/2000/svg', width: size[0], height: size[1], viewBox: `0 0 ${size[0]} ${size[1]}`, id: 'figure' })) svg.setAttribute(key, value);
+  const whole = svg('svg', { xmlns: 'http://www.w3.org/2000/svg', width: size[0], height: size[1], viewBox: `0 0 ${size[0]} ${size[1]}`, id: 'figure' });
   runs.forEach((run, i) => {
     const stage = new Stage(test.scene, bounds, [null], { instanced: format !== 'svg' });
     stage.place(0, run.poses);
     aim(camera, boundsAt(bounds, test.scene, run.poses), { zoom: 1.1 });
     const part = picture(stage, camera, format);
     const x = (i % 4) * (WIDTH + 10), y = Math.floor(i / 4) * (HEIGHT + CAPTION + 10);
-    const group = document.createElementNS('http://www.w3.org/2000/svg', 'g');
-    group.setAttribute('transform', `translate(${x} ${y})`);
     if (format === 'svg') { part.setAttribute('x', 0); part.setAttribute('y', 0); }
-    group.append(part, text(4, HEIGHT + 14, run.name, 13, 600), text(4, HEIGHT + 29, `${run.cell.verdict}${run.cell.metrics.reference_error ? `, ${run.cell.metrics.reference_error[1]}` : ''}`, 11, 400));
-    svg.append(group);
+    whole.append(svg('g', { transform: `translate(${x} ${y})` }, part, text(4, HEIGHT + 14, run.name, 13, 600), text(4, HEIGHT + 29, `${run.cell.verdict}${run.cell.metrics.reference_error ? `, ${run.cell.metrics.reference_error[1]}` : ''}`, 11, 400)));
     stage.dispose();
   });
-  main.append(svg);
+  main.append(whole);
   document.documentElement.dataset.figure = `${size[0]}x${size[1]}`;
   const page = h('style', {}, `@page{size:${size[0]}px ${size[1]}px;margin:0}@media print{body.figure main svg{display:block}}`);
   document.head.append(page);

@@ -74,8 +74,7 @@ function ranking(report) {
     const cells = report.cases.map((test) => test.cells[index]).filter((cell) => cell !== null);
     return { name, index, total: cells.length, counts: Object.fromEntries(verdicts.map((verdict) => [verdict, cells.filter((cell) => verdictOf(cell) === verdict).length])) };
   });
-  const keys = ({ counts, name }) => [-counts.accurate, counts.failed, counts.inaccurate, name];
-  const order = (a, b) => { const i = keys(a).findIndex((key, k) => key !== keys(b)[k]); return i < 0 ? 0 : keys(a)[i] < keys(b)[i] ? -1 : 1; };
+  const order = (a, b) => b.counts.accurate - a.counts.accurate || a.counts.failed - b.counts.failed || a.counts.inaccurate - b.counts.inaccurate || (a.name < b.name ? -1 : 1);
   return engines.filter(({ total }) => total > 0).sort(order);
 }
 

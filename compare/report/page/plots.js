@@ -1,6 +1,6 @@
 /* Plots, each in a figure with a caption and download buttons. */
 import * as Plot from '@observablehq/plot';
-import { h, save } from './dom.js';
+import { h, save, svg } from './dom.js';
 import { digits, slug } from './format.js';
 
 export const hasPlots = FULL; // set by bundle.cmake
@@ -45,13 +45,8 @@ export const power = (value) => (value >= 0.01 && value < 1000 ? digits(value) :
 export function chips(names, styles) {
   return h('p', { class: 'small' }, names.map((name) => {
     const { colour, dash } = styles.get(name);
-    const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
-    svg.setAttribute('viewBox', '0 0 26 10');
-    svg.setAttribute('aria-hidden', 'true');
-    const line = document.createElementNS('http://www.w3.org/2000/svg', 'line');
-    for (const [key, value] of Object.entries({ x1: 0, x2: 26, y1: 5, y2: 5, stroke: colour, 'stroke-width': 3, 'stroke-dasharray': dash })) line.setAttribute(key, value);
-    svg.append(line);
-    return h('span', { class: 'chip' }, svg, name);
+    const line = svg('line', { x1: 0, x2: 26, y1: 5, y2: 5, stroke: colour, 'stroke-width': 3, 'stroke-dasharray': dash });
+    return h('span', { class: 'chip' }, svg('svg', { viewBox: '0 0 26 10', 'aria-hidden': 'true' }, line), name);
   }));
 }
 
@@ -64,11 +59,9 @@ export function curves(caption, lines, styles, { log = true, xLabel = 'time (s)'
   const dots = lines.flatMap(({ name, x, y }) => x.map((t, i) => ({ name, t, y: y[i] })).filter((d) => Number.isFinite(d.y) && (!log || d.y > 0)));
   const figure = plot(caption, { x: { label: xLabel }, y: { label: unit, grid: true, type: log ? 'log' : 'linear', nice: true, tickFormat: log ? power : undefined, ticks: 5 },
     marks: [...marks, Plot.tip(dots, Plot.pointer({ x: 't', y: 'y', title: (d) => `${d.name}\n${digits(d.t)} s: ${digits(d.y)} ${unit}`, maxRadius: 30 }))] });
-  const svg = figure.querySelector('svg');
   const scale = Plot.plot({ width: 420, height: 230, marginLeft: 52, marks, y: { type: log ? 'log' : 'linear', nice: true } }).scale('x');
-  const line = document.createElementNS('http://www.w3.org/2000/svg', 'line');
-  for (const [key, value] of Object.entries({ class: 'cursor', y1: 20, y2: 200, stroke: 'currentColor', 'stroke-width': 1, opacity: 0.6 })) line.setAttribute(key, value);
-  svg.append(line);
+  const line = svg('line', { class: 'cursor', y1: 20, y2: 200, stroke: 'currentColor', 'stroke-width': 1, opacity: 0.6 });
+  figure.querySelector('svg').append(line);
   figure.cursor = (x) => { const at = scale.apply(x); line.setAttribute('x1', at); line.setAttribute('x2', at); };
   figure.cursor(lines[0]?.x[0] ?? 0);
   return figure;
