@@ -7,7 +7,7 @@
 #include "results/result.h"
 #include "results/store.h"
 #include "studies/sweep/analysis.h"
-#include "studies/sweep/shard_merge.h"
+#include "studies/sweep/shard.h"
 #include "study_command.h"
 
 #include <stdlib.h>

@@ -9,7 +9,6 @@
 #include "studies/sweep/analysis.h"
 #include "studies/sweep/grid.h"
 #include "studies/sweep/pruning.h"
-#include "studies/sweep/shard_merge.h"
 #include "study_command.h"
 
 #include <math.h>

@@ -65,12 +65,14 @@ static void find_curve(const pl_sweep_analysis *analysis, const pl_sweep_scene *
             curve->unmeasured += point->state == PL_SWEEP_UNMEASURED;
             curve->front[curve->ok] = i;
             curve->ok += point->state == PL_SWEEP_OK;
+            curve->tried += point->state != PL_SWEEP_UNSUPPORTED;
         }
     }
     curve->front_count = pl_front_find(w->samples, curve->front, curve->ok);
     for (int i = 0; i < curve->front_count; ++i) {
         w->front[i] = w->samples[curve->front[i]];
     }
+    pl_front_read(w->front, curve->front_count, &curve->reading);
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
         int i = pl_front_cheapest(w->front, curve->front_count, pl_sweep_levels[k]);
         curve->cheapest[k] = i < 0 ? -1 : curve->front[i];

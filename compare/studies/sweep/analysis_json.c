@@ -124,11 +124,10 @@ static json_t *curve_json(const pl_sweep_analysis *analysis, const pl_sweep_curv
                               reached < 0 ? json_null() : number(analysis->points[reached].cost));
     }
     return json_pack("{s:i, s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:o}", "engine", engine, "settings",
-                     pl_sweep_curve_settings(curve), "ok", curve->ok, "failed", curve->failed,
-                     "unmeasured", curve->unmeasured, "front",
-                     places(curve->front, curve->front_count), "cheapest_at_level",
-                     places(curve->cheapest, PL_SWEEP_LEVELS), "cost_at_level", costs,
-                     "most_exact_at_time", places(curve->most_exact, PL_SWEEP_TIMES));
+                     curve->tried, "ok", curve->ok, "failed", curve->failed, "unmeasured",
+                     curve->unmeasured, "front", places(curve->front, curve->front_count),
+                     "cheapest_at_level", places(curve->cheapest, PL_SWEEP_LEVELS), "cost_at_level",
+                     costs, "most_exact_at_time", places(curve->most_exact, PL_SWEEP_TIMES));
 }
 
 /* Who reached a level, the ratios there, and the settings that they are of. */
@@ -200,7 +199,7 @@ static json_t *scene_json(const pl_sweep_analysis *analysis, int p)
     json_t *params = json_copy(json_object_get(scene->row, "params"));
     json_object_del(params, "dt");
     for (int e = 0; e < analysis->engine_count; ++e) {
-        if (pl_sweep_curve_was_run(&scene->curves[e])) {
+        if (scene->curves[e].tried > 0) {
             json_array_append_new(curves, curve_json(analysis, &scene->curves[e], e));
         }
     }
@@ -255,7 +254,7 @@ static json_t *loss_json(const pl_sweep_analysis *analysis, int i)
                      pl_sweep_levels[loss->level], "reached", attained_json(loss->attained),
                      "first_point", place(loss->first), "second_point", place(loss->second),
                      "speed", ratio_json(&loss->speed), "within_noise", (int)loss->within_noise,
-                     "settings", pl_sweep_curve_settings(curve));
+                     "settings", curve->tried);
 }
 
 /* ---- Performance profiles (Dolan and More 2002) ---- */
@@ -265,7 +264,7 @@ static bool belongs(const pl_sweep_analysis *analysis, const pl_sweep_scene *sce
                     pl_sweep_kind kind)
 {
     for (int e = 0; e < analysis->engine_count; ++e) {
-        if (analysis->engines[e].kind == kind && !pl_sweep_curve_was_run(&scene->curves[e])) {
+        if (analysis->engines[e].kind == kind && scene->curves[e].tried == 0) {
             return false;
         }
     }

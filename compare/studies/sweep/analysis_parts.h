@@ -27,12 +27,6 @@ double pl_front_cost_at_error(const pl_sweep_sample *front, int count, double er
 /* The error at a cost, interpolated in the same way; NAN outside of the front. */
 double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double cost);
 
-/* A front read at all levels and times, at the places of its ratios (PL_SPEED ...): costs and errors of its samples,
- * and interpolated ones. NAN where it has no value. */
-typedef struct pl_front_reading {
-    double at[PL_READINGS];
-} pl_front_reading;
-
 /* Reads a front of `count` samples at all levels and times of a sweep. */
 void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *reading);
 

@@ -270,14 +270,12 @@ static bool has_several_builds(const pl_result_table *results)
         several = strcmp(row->git, first->git) != 0 ||
                   strcmp(version, pl_result_text(first->result, PL_PROGRAM, "version")) != 0;
     }
-    for (int i = 0; i < results->configuration_count && !several; ++i) {
-        const pl_result_configuration *a = &results->configurations[i];
-        for (int k = 0; k < i && !several; ++k) {
-            const pl_result_configuration *b = &results->configurations[k];
-            const size_t length = strcspn(a->label, ",");
-            several = length == strcspn(b->label, ",") && memcmp(a->label, b->label, length) == 0 &&
-                      (strcmp(a->version, b->version) != 0 || strcmp(a->binary, b->binary) != 0);
-        }
+    /* Configurations are by label, so that those of one profile are neighbours. */
+    for (int i = 1; i < results->configuration_count && !several; ++i) {
+        const pl_result_configuration *a = &results->configurations[i - 1], *b = a + 1;
+        const size_t length = strcspn(a->label, ",");
+        several = length == strcspn(b->label, ",") && memcmp(a->label, b->label, length) == 0 &&
+                  (strcmp(a->version, b->version) != 0 || strcmp(a->binary, b->binary) != 0);
     }
     return several;
 }

@@ -174,7 +174,6 @@ void pl_bootstrap_interval(double *values, int count, double *low, double *high)
 
 /* Scratch space of the comparisons. */
 typedef struct workspace {
-    pl_front_reading *readings;   /* (engine_count): of the scene as measured */
     pl_front_reading *replicates; /* (engine_count x PL_BOOTSTRAP_REPLICATES): resampled */
     double *values;               /* (PL_BOOTSTRAP_REPLICATES) */
     double *logs; /* (pair_count x PL_SWEEP_LEVELS x PL_BOOTSTRAP_REPLICATES): sums over scenes */
@@ -205,16 +204,17 @@ static double ratio_of(const pl_front_reading *first, const pl_front_reading *se
     return second->at[place] / first->at[place];
 }
 
-static pl_sweep_ratio with_interval(const workspace *a, const pl_sweep_pair *pair, int place,
-                                    bool resampled)
+static pl_sweep_ratio with_interval(const workspace *a, const pl_sweep_scene *scene,
+                                    const pl_sweep_pair *pair, int place)
 {
-    pl_sweep_ratio ratio = {ratio_of(&a->readings[pair->first], &a->readings[pair->second], place),
-                            (double)NAN, (double)NAN};
-    if (!resampled || isnan(ratio.value)) {
-        return ratio;
-    }
     const pl_front_reading *first = replicates_of(a, pair->first);
     const pl_front_reading *second = replicates_of(a, pair->second);
+    pl_sweep_ratio ratio = {
+        ratio_of(&scene->curves[pair->first].reading, &scene->curves[pair->second].reading, place),
+        (double)NAN, (double)NAN};
+    if (isnan(scene->noise) || isnan(ratio.value)) {
+        return ratio;
+    }
     for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
         a->values[replicate] = ratio_of(&first[replicate], &second[replicate], place);
     }
@@ -255,13 +255,12 @@ static void compare_pair(const workspace *a, pl_sweep_analysis *analysis,
     const pl_sweep_curve *first = &scene->curves[pair->first];
     const pl_sweep_curve *second = &scene->curves[pair->second];
     pl_pairwise_comparison *comparison = &scene->comparisons[index];
-    comparison->run = scene->primary_error[0] != '\0' && pl_sweep_curve_was_run(first) &&
-                      pl_sweep_curve_was_run(second);
+    comparison->run = scene->primary_error[0] != '\0' && first->tried > 0 && second->tried > 0;
     if (!comparison->run) {
         return;
     }
     for (int i = 0; i < PL_READINGS; ++i) {
-        comparison->ratios[i] = with_interval(a, pair, i, !isnan(scene->noise));
+        comparison->ratios[i] = with_interval(a, scene, pair, i);
     }
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
         comparison->at_error[k] = attained_by(first->cheapest[k], second->cheapest[k]);
@@ -274,19 +273,6 @@ static void compare_pair(const workspace *a, pl_sweep_analysis *analysis,
         comparison->at_cost[k] = attained_by(first->most_exact[k], second->most_exact[k]);
     }
     add_to_means(a, analysis, index, comparison);
-}
-
-static void read_as_measured(const workspace *a, const pl_sweep_analysis *analysis,
-                             const pl_sweep_scene *scene, pl_sweep_sample *front)
-{
-    for (int e = 0; e < analysis->engine_count; ++e) {
-        const pl_sweep_curve *curve = &scene->curves[e];
-        for (int i = 0; i < curve->front_count; ++i) {
-            const pl_sweep_point *point = &analysis->points[curve->front[i]];
-            front[i] = (pl_sweep_sample){point->cost, point->error};
-        }
-        pl_front_read(front, curve->front_count, &a->readings[e]);
-    }
 }
 
 static void finish_means(const workspace *a, pl_sweep_analysis *analysis)
@@ -309,29 +295,25 @@ static void finish_means(const workspace *a, pl_sweep_analysis *analysis)
     }
 }
 
-/* The engine that a point of this one as shipped belongs to; -1: none was run. */
-static int shipped_of(const pl_sweep_analysis *analysis, int whole)
+/* The engine with all its profiles that one as shipped is of. */
+static int whole_of(const pl_sweep_analysis *analysis, int shipped)
 {
-    for (int i = 0; i < analysis->point_count; ++i) {
-        const pl_sweep_point *point = &analysis->points[i];
-        if (point->engines[PL_SWEEP_WHOLE] == whole && point->engines[PL_SWEEP_SHIPPED] >= 0) {
-            return point->engines[PL_SWEEP_SHIPPED];
-        }
+    const pl_sweep_point *point = analysis->points;
+    while (point->engines[PL_SWEEP_SHIPPED] != shipped) {
+        ++point;
     }
-    return -1;
+    return point->engines[PL_SWEEP_WHOLE];
 }
 
-/* Finds the pair of the same two engines as shipped. */
-static void link_shipped(const pl_sweep_analysis *analysis, pl_sweep_pair *pair)
+/* Gives a pair as shipped to the pair of the same whole engines. */
+static void link_shipped(const pl_sweep_analysis *analysis, int shipped)
 {
-    if (analysis->engines[pair->first].kind != PL_SWEEP_WHOLE) {
-        return;
-    }
-    const int first = shipped_of(analysis, pair->first);
-    const int second = shipped_of(analysis, pair->second);
-    for (int i = 0; i < analysis->pair_count && first >= 0 && second >= 0; ++i) {
-        if (analysis->pairs[i].first == first && analysis->pairs[i].second == second) {
-            pair->shipped = i;
+    const pl_sweep_pair *own = &analysis->pairs[shipped];
+    const int first = whole_of(analysis, own->first), second = whole_of(analysis, own->second);
+    for (int i = 0; i < analysis->pair_count; ++i) {
+        pl_sweep_pair *pair = &analysis->pairs[i];
+        if (pair->first == first && pair->second == second && pair->shipped < 0) {
+            pair->shipped = shipped;
         }
     }
 }
@@ -348,7 +330,9 @@ static void make_pairs(pl_sweep_analysis *analysis)
         }
     }
     for (int i = 0; i < analysis->pair_count; ++i) {
-        link_shipped(analysis, &analysis->pairs[i]);
+        if (analysis->engines[analysis->pairs[i].first].kind == PL_SWEEP_SHIPPED) {
+            link_shipped(analysis, i);
+        }
     }
 }
 
@@ -357,24 +341,19 @@ void pl_compare_pairwise(pl_sweep_analysis *analysis)
     make_pairs(analysis);
     const size_t engines = (size_t)analysis->engine_count;
     const size_t pairs = (size_t)analysis->pair_count;
-    pl_sweep_sample *front = pl_heap_new((size_t)analysis->point_count, sizeof *front);
     workspace a = {
-        .readings = pl_heap_new(engines, sizeof *a.readings),
         .replicates = pl_heap_new(engines * PL_BOOTSTRAP_REPLICATES, sizeof *a.replicates),
         .values = pl_heap_new(PL_BOOTSTRAP_REPLICATES, sizeof *a.values),
         .logs = pl_heap_new(pairs * PL_SWEEP_LEVELS * PL_BOOTSTRAP_REPLICATES, sizeof *a.logs)};
     for (int p = 0; p < analysis->scene_count; ++p) {
         pl_sweep_scene *scene = &analysis->scenes[p];
         scene->comparisons = pl_heap_new(pairs, sizeof *scene->comparisons);
-        read_as_measured(&a, analysis, scene, front);
         bootstrap(analysis, scene, a.replicates);
         for (int i = 0; i < analysis->pair_count; ++i) {
             compare_pair(&a, analysis, scene, i);
         }
     }
     finish_means(&a, analysis);
-    free(front);
-    free(a.readings);
     free(a.replicates);
     free(a.values);
     free(a.logs);

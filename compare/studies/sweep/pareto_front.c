@@ -17,16 +17,6 @@ bool pl_sweep_point_is_of(const pl_sweep_point *point, int engine)
            point->engines[PL_SWEEP_SHIPPED] == engine;
 }
 
-int pl_sweep_curve_settings(const pl_sweep_curve *curve)
-{
-    return curve->ok + curve->failed + curve->unmeasured;
-}
-
-bool pl_sweep_curve_was_run(const pl_sweep_curve *curve)
-{
-    return pl_sweep_curve_settings(curve) > 0;
-}
-
 /* By cost, then error, then index. */
 static int compare(const void *left, const void *right, void *samples)
 {

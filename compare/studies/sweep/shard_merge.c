@@ -1,5 +1,5 @@
 /* Merges files and folders of results, and compares runs that were made twice. */
-#include "shard_merge.h"
+#include "shard.h"
 
 #include "base/folding.h"
 #include "base/heap.h"
