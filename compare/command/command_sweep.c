@@ -61,52 +61,37 @@ static pl_status check(void *user, pl_error *error)
 /* ---- The plan ---- */
 
 /* Which shard, and where its results go. */
-static pl_status choose_shard(sweep *s, pl_error *error)
+static void choose_shard(const pl_call *call, sweep *s)
 {
+    pl_error error = {.message = ""};
     s->is_shard = true;
-    const pl_status status = s->asked != NULL
-                                 ? pl_shard_parse(s->asked, &s->shard, error)
-                                 : pl_shard_from_environment(&s->shard, &s->is_shard, error);
+    pl_call_check(call,
+                  s->asked != NULL ? pl_shard_parse(s->asked, &s->shard, &error)
+                                   : pl_shard_from_environment(&s->shard, &s->is_shard, &error),
+                  &error);
     s->folder =
         s->is_shard ? pl_shard_folder(s->request.out, s->shard) : pl_heap_copy(s->request.out);
-    return status;
 }
 
 /* Adds ENGINE:tuned of each engine for which a file of profiles has it. */
-static pl_status add_tuned(pl_plan *base, pl_error *error)
+static void add_tuned(const pl_call *call, pl_plan *base)
 {
-    pl_status status = PL_OK;
+    pl_error error = {.message = ""};
     const int count = base->configuration_count;
-    for (int i = 0; i < count && status == PL_OK; ++i) {
+    for (int i = 0; i < count; ++i) {
         const pl_engine_info *engine = base->configurations[i].choice.engine;
         pl_tuned_profile profile;
-        char spec[sizeof base->configurations->choice.spec];
         bool found = false;
         if (pl_engine_profile_index(engine, "tuned") < 0 && !engine->fault.is_fault) {
-            status = pl_tuned_profile_find(engine, "tuned", &profile, &found, error);
+            pl_call_check(call, pl_tuned_profile_find(engine, "tuned", &profile, &found, &error),
+                          &error);
         }
         if (found) { /* once, however many profiles the engine has */
-            snprintf(spec, sizeof spec, "%s:tuned", engine->spec);
-            status = pl_plan_add_engine(base, spec, error);
+            char *spec = pl_heap_format("%s:tuned", engine->spec);
+            pl_call_check(call, pl_plan_add_engine(base, spec, &error), &error);
+            free(spec);
         }
     }
-    return status;
-}
-
-/* The usual sweep varies the time step, and has drawn settings. */
-static pl_status make_usual(sweep *s, pl_plan *base, pl_drawn_settings *drawn, pl_error *error)
-{
-    pl_status status = add_vary(s, PL_SWEEP_STEPS, error);
-    if (status == PL_OK) {
-        const pl_draw_def def = {.plan = base,
-                                 .steps = s->varied[0].numbers,
-                                 .step_count = s->varied[0].count,
-                                 .settings = s->settings,
-                                 .all_profiles = s->request.engines.count == 0};
-        *drawn = pl_draw_settings(&def);
-        status = add_tuned(base, error);
-    }
-    return status;
 }
 
 static void set_defaults(sweep *s, bool is_usual)
@@ -120,29 +105,35 @@ static void set_defaults(sweep *s, bool is_usual)
     }
 }
 
-static pl_status make_plan(const pl_call *call, sweep *s, pl_error *error)
+/* The usual sweep varies the time step, and has drawn settings. */
+static void make_plan(const pl_call *call, sweep *s)
 {
     const bool is_usual = s->varied_count == 0;
+    pl_error error = {.message = ""};
     pl_drawn_settings drawn = {.count = 0};
     set_defaults(s, is_usual);
     pl_plan base = {.repeats = s->repeats};
-    pl_status status = pl_request_plan(call, &s->request, &base, error);
-    if (status == PL_OK && is_usual) {
-        status = make_usual(s, &base, &drawn, error);
+    pl_call_check(call, pl_request_plan(call, &s->request, &base, &error), &error);
+    if (is_usual) {
+        pl_call_check(call, add_vary(s, PL_SWEEP_STEPS, &error), &error);
+        const pl_draw_def def = {.plan = &base,
+                                 .steps = s->varied[0].numbers,
+                                 .step_count = s->varied[0].count,
+                                 .settings = s->settings,
+                                 .all_profiles = s->request.engines.count == 0};
+        drawn = pl_draw_settings(&def);
+        add_tuned(call, &base);
     }
-    if (status == PL_OK) {
-        const pl_grid_def def = {.base = &base,
-                                 .varied = s->varied,
-                                 .varied_count = s->varied_count,
-                                 .drawn = drawn.count > 0 ? &drawn : NULL,
-                                 .changes = s->changes,
-                                 .shard = s->shard};
-        status = pl_grid_plan(&def, &s->plan, error);
-        pl_plan_take_files(&s->plan, &base);
-    }
+    const pl_grid_def def = {.base = &base,
+                             .varied = s->varied,
+                             .varied_count = s->varied_count,
+                             .drawn = drawn.count > 0 ? &drawn : NULL,
+                             .changes = s->changes,
+                             .shard = s->shard};
+    pl_call_check(call, pl_grid_plan(&def, &s->plan, &error), &error);
+    pl_plan_take_files(&s->plan, &base);
     pl_drawn_settings_free(&drawn);
     pl_plan_free(&base);
-    return status;
 }
 
 /* ---- Runs ---- */
@@ -285,19 +276,13 @@ static int run(const pl_call *call)
     pl_call_parse(call, &s);
     pl_error error = {.message = ""};
     int code = PL_EXIT_OK;
-    pl_status status = pl_request_outputs(&s.request, s.list, &error);
-    if (status == PL_OK) {
-        status = choose_shard(&s, &error);
+    pl_call_check(call, pl_request_outputs(&s.request, s.list, &error), &error);
+    choose_shard(call, &s);
+    make_plan(call, &s);
+    if (s.list != NULL) {
+        pl_call_check(call, pl_grid_list(&s.plan, s.list, &error), &error);
     }
-    if (status == PL_OK) {
-        status = make_plan(call, &s, &error);
-    }
-    if (status == PL_OK && s.list != NULL) {
-        status = pl_grid_list(&s.plan, s.list, &error);
-    }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (s.plan.configuration_count == 0) {
+    if (s.plan.configuration_count == 0) {
         code = pl_call_nothing(call, "there is nothing to compare");
     } else if (s.list == NULL) {
         code = execute(call, &s);

@@ -304,6 +304,21 @@ static json_t *ratios_json(const pl_sweep_analysis *analysis, int engine, int le
     return array;
 }
 
+/* The shares of scenes that an engine solves within factors of the least cost. */
+static json_t *shares_json(const json_t *ratios, int scenes)
+{
+    static const double factors[] = {1, 1.5, 2, 3, 5, 10, 100, (double)INFINITY};
+    json_t *shares = json_array();
+    for (size_t k = 0, count = 0; k < sizeof factors / sizeof factors[0] && scenes > 0; ++k) {
+        while (count < json_array_size(ratios) &&
+               json_number_value(json_array_get(ratios, count)) <= factors[k]) {
+            ++count;
+        }
+        json_array_append_new(shares, json_real((double)count / scenes));
+    }
+    return shares;
+}
+
 /* First those of whole engines by level, then those of profiles. */
 static json_t *profile_json(const pl_sweep_analysis *analysis, int i)
 {
@@ -316,8 +331,10 @@ static json_t *profile_json(const pl_sweep_analysis *analysis, int i)
     }
     for (int e = 0; e < analysis->engine_count; ++e) {
         if (analysis->engines[e].kind == kind) {
-            json_array_append_new(engines, json_pack("{s:i, s:o}", "engine", e, "ratios",
-                                                     ratios_json(analysis, e, level)));
+            json_t *ratios = ratios_json(analysis, e, level);
+            json_array_append_new(engines,
+                                  json_pack("{s:i, s:o, s:o}", "engine", e, "ratios", ratios,
+                                            "shares", shares_json(ratios, scenes)));
         }
     }
     return json_pack("{s:f, s:b, s:i, s:o}", "level", pl_sweep_levels[level], "all_profiles",

@@ -9,7 +9,7 @@
 
 #include "runner/plan.h"
 #include "shard.h"
-#include "studies/design.h"
+#include "studies/tunable.h"
 #include "studies/vary.h"
 
 enum {

@@ -33,6 +33,10 @@ static const char costs[] =
     ">1e-7=cheapest_at_level.6.cost cost|>1e-8=cheapest_at_level.7.cost cost|"
     ">least error=front.-1.error error|>settings=settings integer|>failed=failed integer|"
     ">not measured=unmeasured integer";
+static const char shares[] =
+    "Engine=engine.name|>the fastest=shares.0 percent|>within 1.5 of it=shares.1 percent|"
+    ">2=shares.2 percent|>3=shares.3 percent|>5=shares.4 percent|>10=shares.5 percent|"
+    ">100=shares.6 percent|>at any cost=shares.7 percent";
 static const char orders[] =
     "Scene=scene.name|Engine=point.label|Finding=finding|>Order=order number|>From=dt_high step|"
     ">To=dt_low step|>Used=used integer|>Run=total integer|>Off fit=deviation number";
@@ -128,6 +132,9 @@ static void add_cell(pl_table *table, const json_t *row, const json_t *value, co
         break;
     case 'i': /* integer */
         snprintf(text, sizeof text, "%.0f", number);
+        break;
+    case 'p': /* percent */
+        snprintf(text, sizeof text, "%.0f %%", 100 * number);
         break;
     default: /* number, or cost, s */
         pl_format_number(number, format[0] == 'c' ? "s" : "1", text);
@@ -249,32 +256,6 @@ static pl_table pairs_table(const json_t *sweep, const json_t *wholes, const cha
 }
 
 /* ---- Performance profiles ---- */
-
-/* The share of scenes that each engine solves within factors of the cost of the fastest. */
-static pl_table shares_table(const json_t *sweep, const json_t *profile)
-{
-    static const double within[] = {1, 1.5, 2, 3, 5, 10, 100, (double)INFINITY};
-    const double scenes = number_of(json_object_get(profile, "scenes"));
-    pl_table table = {0};
-    size_t index;
-    const json_t *engine;
-    pl_table_columns(&table,
-                     "Engine|>the fastest|>within 1.5 of it|>2|>3|>5|>10|>100|>at any cost");
-    json_array_foreach(scenes > 0 ? json_object_get(profile, "engines") : NULL, index, engine)
-    {
-        const json_t *ratios = json_object_get(engine, "ratios");
-        size_t count = 0;
-        add_cell(&table, engine, value_at(sweep, engine, "engine.name"), "text");
-        for (int k = 0; k < 8; ++k) {
-            while (count < json_array_size(ratios) &&
-                   number_of(json_array_get(ratios, count)) <= within[k]) {
-                ++count;
-            }
-            pl_table_format_cell(&table, "%.0f %%", 100 * (double)count / scenes);
-        }
-    }
-    return table;
-}
 
 /* Adds an engine to a plot, with numbers that the plot takes. */
 static void add_line(json_t *plot, const json_t *sweep, const json_t *row, json_t *numbers)
@@ -398,8 +379,11 @@ static void fill_document(const json_t *sweep, pl_document *document)
     {
         add_scene(sweep, item, index, document);
     }
-    add_section(document, "Scenes solved to 1e-3, within a factor of the fastest",
-                shares_table(sweep, json_array_get(profiles, PL_SWEEP_MATCHED_LEVEL)));
+    add_section(
+        document, "Scenes solved to 1e-3, within a factor of the fastest",
+        table_of(sweep,
+                 json_object_get(json_array_get(profiles, PL_SWEEP_MATCHED_LEVEL), "engines"),
+                 shares, NULL));
     json_array_foreach(profiles, index, item)
     {
         if (is_true(item, "all_profiles")) {
