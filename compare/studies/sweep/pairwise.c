@@ -23,7 +23,6 @@ typedef struct resampling {
     const pl_sweep_point *points; /* (count) */
     int count;
     double noise;             /* of the scene; 0: none is known */
-    bool *needed;             /* (count): may be on a front in some replicate */
     pl_random *random;        /* (count) */
     pl_sweep_sample *medians; /* (count): of this replicate */
     int *order;               /* (count) */
@@ -31,63 +30,13 @@ typedef struct resampling {
     double *scratch;          /* two numbers for each repeat of the point with most */
 } resampling;
 
-/* The standard deviation of ln(cost) by which a drawn repeat of the point is moved. */
-static double noise_of(const resampling *d, const pl_sweep_point *point)
-{
-    return point->sample_count < ENOUGH ? d->noise : 0;
-}
-
-/* Whether q is ahead of p in every replicate, so that p is on no front. */
-static bool always_ahead(const resampling *d, const pl_sweep_point *q, const pl_sweep_point *p)
-{
-    const double most = PL_RANDOM_MOST_NORMAL * (noise_of(d, q) + noise_of(d, p));
-    double largest = 0, least = (double)INFINITY; /* errors of q and of p */
-    if (q->state != PL_SWEEP_OK ||
-        q->samples[q->sample_count - 1].cost * exp(most) >= p->samples[0].cost) {
-        return false;
-    }
-    for (int i = 0; i < q->sample_count; ++i) {
-        largest = fmax(largest, q->samples[i].error);
-    }
-    for (int i = 0; i < p->sample_count; ++i) {
-        least = fmin(least, p->samples[i].error);
-    }
-    return largest <= least;
-}
-
-/* Whether the point is in every front's choice that p is in: of their profile, and as shipped if p
- * is. */
-static bool competes(const pl_sweep_point *q, const pl_sweep_point *p)
-{
-    const int shipped = p->engines[PL_SWEEP_SHIPPED];
-    return q->engines[PL_SWEEP_PROFILE] == p->engines[PL_SWEEP_PROFILE] &&
-           (shipped < 0 || q->engines[PL_SWEEP_SHIPPED] == shipped);
-}
-
-/* Marks the points that can be on the front of a profile, and so on that of its engine, or on that of
- * the engine as shipped. */
-static void mark_needed(resampling *d)
-{
-    for (int i = 0; i < d->count; ++i) {
-        const pl_sweep_point *point = &d->points[i];
-        d->needed[i] = point->state == PL_SWEEP_OK;
-        for (int k = 0; k < d->count && d->needed[i]; ++k) {
-            d->needed[i] =
-                !competes(&d->points[k], point) || !always_ahead(d, &d->points[k], point);
-        }
-    }
-}
-
 static void resample(resampling *d)
 {
     for (int i = 0; i < d->count; ++i) {
         const pl_sweep_point *point = &d->points[i];
         const int repeats = point->sample_count;
         double *costs = d->scratch, *errors = d->scratch + repeats;
-        if (!d->needed[i]) {
-            continue;
-        }
-        const double by = noise_of(d, point);
+        const double by = repeats < ENOUGH ? d->noise : 0; /* standard deviation of ln(cost) */
         for (int k = 0; k < repeats; ++k) {
             int chosen = (int)(pl_random_unit(&d->random[i]) * repeats);
             costs[k] = point->samples[chosen].cost;
@@ -103,7 +52,7 @@ static void read_front(resampling *d, int engine, pl_front_reading *reading)
 {
     int count = 0;
     for (int i = 0; i < d->count; ++i) {
-        if (d->needed[i] && pl_sweep_point_is_of(&d->points[i], engine)) {
+        if (d->points[i].state == PL_SWEEP_OK && pl_sweep_point_is_of(&d->points[i], engine)) {
             d->order[count++] = i;
         }
     }
@@ -124,12 +73,10 @@ static void bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *s
                     .noise = isnan(scene->noise) ? 0 : scene->noise};
     const size_t count = (size_t)d.count;
     int most = 1;
-    d.needed = pl_heap_new(count, sizeof *d.needed);
     d.random = pl_heap_new(count, sizeof *d.random);
     d.medians = pl_heap_new(count, sizeof *d.medians);
     d.order = pl_heap_new(count, sizeof *d.order);
     d.front = pl_heap_new(count, sizeof *d.front);
-    mark_needed(&d);
     for (int i = 0; i < d.count; ++i) {
         d.random[i].state = d.points[i].hash;
         most = d.points[i].sample_count > most ? d.points[i].sample_count : most;
@@ -144,7 +91,6 @@ static void bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *s
             }
         }
     }
-    free(d.needed);
     free(d.random);
     free(d.medians);
     free(d.order);

@@ -379,11 +379,11 @@ static void fill_document(const json_t *sweep, pl_document *document)
     {
         add_scene(sweep, item, index, document);
     }
-    add_section(
-        document, "Scenes solved to 1e-3, within a factor of the fastest",
-        table_of(sweep,
-                 json_object_get(json_array_get(profiles, PL_SWEEP_MATCHED_LEVEL), "engines"),
-                 shares, NULL));
+    item = json_array_get(profiles, PL_SWEEP_MATCHED_LEVEL);
+    if (number_of(json_object_get(item, "scenes")) > 0) {
+        add_section(document, "Scenes solved to 1e-3, within a factor of the fastest",
+                    table_of(sweep, json_object_get(item, "engines"), shares, NULL));
+    }
     json_array_foreach(profiles, index, item)
     {
         if (is_true(item, "all_profiles")) {
