@@ -103,7 +103,7 @@ static void analyse(making *m)
 {
     pl_result_table results = build_table(m, true);
     json_t *conclusion = pl_sweep_conclude(&results);
-    if (pl_sweep_has_settings(conclusion)) {
+    if (json_is_true(json_object_get(conclusion, "varied"))) {
         need(m, pl_study_write(m->request, &pl_sweep_study, conclusion, &m->error));
         pl_print_line(stderr, "speed against error is in %s/sweep.html", m->request->out);
     }

@@ -191,7 +191,6 @@ typedef struct pl_sweep_analysis {
     int compared;    /* scene, pair with the home engine and level, where one or both are there */
     int run_count;   /* rows, doubles left out */
     int unjudged;    /* scenes without a primary error: their points are unmeasured */
-    bool several_hosts;  /* rows come from different processors */
     bool several_builds; /* rows come from different builds or versions of one engine */
 } pl_sweep_analysis;
 
@@ -209,9 +208,6 @@ json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis);
 
 /* The same of a table: the conclusion of the study. A new reference. */
 json_t *pl_sweep_conclude(const pl_result_table *results);
-
-/* Whether a profile has several points on a scene of the conclusion: other settings or time steps. */
-bool pl_sweep_has_settings(const json_t *conclusion);
 
 /* The study, whose runs are results of no study: pl_sweep_conclude concludes from them. */
 extern const pl_study pl_sweep_study;

@@ -341,6 +341,18 @@ static json_t *profile_json(const pl_sweep_analysis *analysis, int i)
                      (int)(kind == PL_SWEEP_WHOLE), "scenes", scenes, "engines", engines);
 }
 
+/* Whether a profile has several points on a scene: other settings or time steps. */
+static bool is_varied(const pl_sweep_analysis *analysis)
+{
+    bool found = false;
+    for (int i = 0; i < analysis->scene_count * analysis->engine_count; ++i) {
+        const int e = i % analysis->engine_count;
+        found |= analysis->engines[e].kind == PL_SWEEP_PROFILE &&
+                 analysis->scenes[i / analysis->engine_count].curves[e].tried > 1;
+    }
+    return found;
+}
+
 /* ---- In words ---- */
 
 /* How many comparisons the home engine loses, or without one how many pairs were compared. */
@@ -412,12 +424,13 @@ static void set_said(json_t *json, const char *key, char *said)
 json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis)
 {
     json_t *json = json_pack(
-        "{s:s, s:i, s:f, s:i, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "schema",
-        "plumb.sweep/2", "runs", analysis->run_count, "error_floor", pl_sweep_error_floor, "draws",
+        "{s:s, s:i, s:b, s:f, s:i, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
+        "schema", "plumb.sweep/2", "runs", analysis->results->row_count, "varied",
+        (int)is_varied(analysis), "error_floor", pl_sweep_error_floor, "draws",
         PL_BOOTSTRAP_REPLICATES, "levels", numbers(pl_sweep_levels, PL_SWEEP_LEVELS), "times",
-        numbers(pl_sweep_times, PL_SWEEP_TIMES), "several_hosts", (int)analysis->several_hosts,
-        "several_builds", (int)analysis->several_builds, "engines",
-        list(analysis, analysis->engine_count, engine_json), "losses",
+        numbers(pl_sweep_times, PL_SWEEP_TIMES), "several_hosts",
+        (int)analysis->results->several_hosts, "several_builds", (int)analysis->several_builds,
+        "engines", list(analysis, analysis->engine_count, engine_json), "losses",
         list(analysis, analysis->loss_count, loss_json), "pairs",
         list(analysis, analysis->pair_count, pair_json), "profiles",
         list(analysis, 2 * PL_SWEEP_LEVELS, profile_json), "orders", pl_orders_find(analysis),
@@ -434,7 +447,7 @@ json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis)
                                   statement, analysis->unjudged, analysis->scene_count));
     set_said(json, "warning",
              pl_heap_format("%s%s",
-                            analysis->several_hosts
+                            analysis->results->several_hosts
                                 ? "These runs come from several processors: ratios of time between "
                                   "them mean little. "
                                 : "",

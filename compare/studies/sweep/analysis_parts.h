@@ -27,8 +27,17 @@ double pl_front_cost_at_error(const pl_sweep_sample *front, int count, double er
 /* The error at a cost, interpolated in the same way; NAN outside of the front. */
 double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double cost);
 
-/* Reads a front of `count` samples at all levels and times of a sweep. */
-void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *reading);
+/* The points of a scene with what fronts are found in: (count) each. */
+typedef struct pl_front_choice {
+    const pl_sweep_point *points;
+    int count;
+    const pl_sweep_sample *samples; /* of the points; those of points that are ok are defined */
+    int *order;                     /* gets the front, indices of points */
+    pl_sweep_sample *front;         /* gets its samples */
+} pl_front_choice;
+
+/* Finds the front of an engine's points that are ok, and reads it at all levels and times. Returns its size. */
+int pl_front_of(const pl_front_choice *choice, int engine, pl_front_reading *reading);
 
 /* ---- Pairs of engines ---- */
 

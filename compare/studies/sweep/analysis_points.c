@@ -391,8 +391,6 @@ void pl_sweep_gather(pl_sweep_analysis *analysis)
 {
     const pl_result_table *results = analysis->results;
     analysis->scenes = pl_heap_new((size_t)results->scene_count, sizeof *analysis->scenes);
-    analysis->run_count = results->row_count;
-    analysis->several_hosts = results->several_hosts;
     analysis->several_builds = has_several_builds(results);
     list_engines(analysis);
     for (int i = 0; i < results->scene_count; ++i) {

@@ -18,49 +18,21 @@
 /* With so many repeats their own scatter is used. */
 enum { ENOUGH = 10 };
 
-/* A scene's replicates. */
-typedef struct resampling {
-    const pl_sweep_point *points; /* (count) */
-    int count;
-    double noise;             /* of the scene; 0: none is known */
-    pl_random *random;        /* (count) */
-    pl_sweep_sample *medians; /* (count): of this replicate */
-    int *order;               /* (count) */
-    pl_sweep_sample *front;   /* (count) */
-    double *scratch;          /* two numbers for each repeat of the point with most */
-} resampling;
-
-static void resample(resampling *d)
+/* Draws the repeats of a point again, and returns their medians. `noise` is that of the scene; `scratch` has two numbers
+ * for each repeat. */
+static pl_sweep_sample resample(const pl_sweep_point *point, double noise, pl_random *random,
+                                double *scratch)
 {
-    for (int i = 0; i < d->count; ++i) {
-        const pl_sweep_point *point = &d->points[i];
-        const int repeats = point->sample_count;
-        double *costs = d->scratch, *errors = d->scratch + repeats;
-        const double by = repeats < ENOUGH ? d->noise : 0; /* standard deviation of ln(cost) */
-        for (int k = 0; k < repeats; ++k) {
-            int chosen = (int)(pl_random_unit(&d->random[i]) * repeats);
-            costs[k] = point->samples[chosen].cost;
-            costs[k] *= by > 0 ? exp(by * pl_random_normal(&d->random[i])) : 1;
-            errors[k] = point->samples[chosen].error;
-        }
-        d->medians[i].cost = pl_median(costs, repeats);
-        d->medians[i].error = pl_median(errors, repeats);
+    const int repeats = point->sample_count;
+    const double by = repeats < ENOUGH ? noise : 0; /* standard deviation of ln(cost) */
+    double *costs = scratch, *errors = scratch + repeats;
+    for (int k = 0; k < repeats; ++k) {
+        const int chosen = (int)(pl_random_unit(random) * repeats);
+        costs[k] = point->samples[chosen].cost;
+        costs[k] *= by > 0 ? exp(by * pl_random_normal(random)) : 1;
+        errors[k] = point->samples[chosen].error;
     }
-}
-
-static void read_front(resampling *d, int engine, pl_front_reading *reading)
-{
-    int count = 0;
-    for (int i = 0; i < d->count; ++i) {
-        if (d->points[i].state == PL_SWEEP_OK && pl_sweep_point_is_of(&d->points[i], engine)) {
-            d->order[count++] = i;
-        }
-    }
-    count = pl_front_find(d->medians, d->order, count);
-    for (int i = 0; i < count; ++i) {
-        d->front[i] = d->medians[d->order[i]];
-    }
-    pl_front_read(d->front, count, reading);
+    return (pl_sweep_sample){pl_median(costs, repeats), pl_median(errors, repeats)};
 }
 
 /* Fills readings (engine_count x PL_BOOTSTRAP_REPLICATES, engine by engine) for the engines that
@@ -68,34 +40,36 @@ static void read_front(resampling *d, int engine, pl_front_reading *reading)
 static void bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                       pl_front_reading *readings)
 {
-    resampling d = {.points = analysis->points + scene->first,
-                    .count = scene->count,
-                    .noise = isnan(scene->noise) ? 0 : scene->noise};
-    const size_t count = (size_t)d.count;
+    const size_t count = (size_t)scene->count;
+    const double noise = isnan(scene->noise) ? 0 : scene->noise;
+    pl_random *random = pl_heap_new(count, sizeof *random);
+    pl_sweep_sample *medians = pl_heap_new(count, sizeof *medians);
+    const pl_front_choice of = {.points = analysis->points + scene->first,
+                                .count = scene->count,
+                                .samples = medians,
+                                .order = pl_heap_new(count, sizeof *of.order),
+                                .front = pl_heap_new(count, sizeof *of.front)};
     int most = 1;
-    d.random = pl_heap_new(count, sizeof *d.random);
-    d.medians = pl_heap_new(count, sizeof *d.medians);
-    d.order = pl_heap_new(count, sizeof *d.order);
-    d.front = pl_heap_new(count, sizeof *d.front);
-    for (int i = 0; i < d.count; ++i) {
-        d.random[i].state = d.points[i].hash;
-        most = d.points[i].sample_count > most ? d.points[i].sample_count : most;
+    for (int i = 0; i < of.count; ++i) {
+        random[i].state = of.points[i].hash;
+        most = of.points[i].sample_count > most ? of.points[i].sample_count : most;
     }
-    d.scratch = pl_heap_new(2 * (size_t)most, sizeof *d.scratch);
-    for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
-        resample(&d);
+    double *scratch = pl_heap_new(2 * (size_t)most, sizeof *scratch);
+    for (size_t replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
+        for (int i = 0; i < of.count; ++i) {
+            medians[i] = resample(&of.points[i], noise, &random[i], scratch);
+        }
         for (int e = 0; e < analysis->engine_count; ++e) {
             if (scene->curves[e].ok > 0) {
-                read_front(&d, e,
-                           &readings[(size_t)e * PL_BOOTSTRAP_REPLICATES + (size_t)replicate]);
+                pl_front_of(&of, e, &readings[(size_t)e * PL_BOOTSTRAP_REPLICATES + replicate]);
             }
         }
     }
-    free(d.random);
-    free(d.medians);
-    free(d.order);
-    free(d.front);
-    free(d.scratch);
+    free(random);
+    free(medians);
+    free(of.order);
+    free(of.front);
+    free(scratch);
 }
 
 void pl_bootstrap_interval(double *values, int count, double *low, double *high)

@@ -93,7 +93,8 @@ double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double co
     return between(cost, front[i].cost, front[i].error, front[i + 1].cost, front[i + 1].error);
 }
 
-void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *reading)
+/* Reads a front at all levels and times of a sweep. */
+static void read_front(const pl_sweep_sample *front, int count, pl_front_reading *reading)
 {
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
         const int i = pl_front_cheapest(front, count, pl_sweep_levels[k]);
@@ -107,4 +108,21 @@ void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *re
         reading->at[PL_EXACTNESS_BETWEEN + k] =
             pl_front_error_at_cost(front, count, pl_sweep_times[k]);
     }
+}
+
+int pl_front_of(const pl_front_choice *choice, int engine, pl_front_reading *reading)
+{
+    int count = 0;
+    for (int i = 0; i < choice->count; ++i) {
+        const pl_sweep_point *point = &choice->points[i];
+        if (point->state == PL_SWEEP_OK && pl_sweep_point_is_of(point, engine)) {
+            choice->order[count++] = i;
+        }
+    }
+    count = pl_front_find(choice->samples, choice->order, count);
+    for (int i = 0; i < count; ++i) {
+        choice->front[i] = choice->samples[choice->order[i]];
+    }
+    read_front(choice->front, count, reading);
+    return count;
 }

@@ -399,21 +399,4 @@ static void fill_document(const json_t *sweep, pl_document *document)
     free(heading);
 }
 
-bool pl_sweep_has_settings(const json_t *sweep)
-{
-    size_t index, i;
-    const json_t *scene, *curve;
-    json_array_foreach(json_object_get(sweep, "scenes"), index, scene)
-    {
-        json_array_foreach(json_object_get(scene, "curves"), i, curve)
-        {
-            if (rank_curve(sweep, curve) == 1 &&
-                number_of(json_object_get(curve, "settings")) > 1) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
 const pl_study pl_sweep_study = {.name = "sweep", .kind = "sweep", .document = fill_document};
