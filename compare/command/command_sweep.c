@@ -193,7 +193,7 @@ static pl_status open_store(sweep *s, pl_error *error)
 static pl_status conclude(sweep *s, pl_error *error)
 {
     char *path = pl_heap_format("%s/results.jsonl", s->folder);
-    pl_merge_add_results(&s->before, path, pl_store_results(s->store));
+    pl_merge_add_results(&s->before, path, pl_store_results(s->store), NULL);
     free(path);
     const pl_result_table_def def = {.files = s->before.sources,
                                      .file_count = s->before.source_count,

@@ -97,7 +97,7 @@ enum {
 };
 
 /* A front read at all levels and times, at the places of its ratios (PL_SPEED ...): costs and errors of its samples,
- * and interpolated ones. NAN where it has no value. */
+ * and interpolated ones. NAN: no value. */
 typedef struct pl_front_reading {
     double at[PL_READINGS];
 } pl_front_reading;

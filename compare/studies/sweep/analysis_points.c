@@ -52,8 +52,8 @@ static void take_row(const pl_result_row *row, const char *reason, pl_sweep_poin
     point->reason = reason;
 }
 
-/* Sets the state of a point to that of the worst of its rows. What is unsupported on a changed scene only has failed
- * there. */
+/* Sets the state of a point to that of the worst of its rows. A point that is unsupported on a changed scene only has
+ * failed there. */
 static void judge_outcomes(const pl_result_row *const *rows, int count, pl_sweep_point *point)
 {
     const pl_result_row *worst = rows[0];

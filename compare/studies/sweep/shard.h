@@ -56,8 +56,8 @@ void pl_merge_free(pl_merge *merge);
  * allowed). PL_BAD_INPUT: a file with other content, or a folder without results; PL_IO. */
 pl_status pl_merge_add(pl_merge *merge, const char *path, FILE *warnings, pl_error *error);
 
-/* Adds the results of an array, the lines of the file `path`, without warnings. */
-void pl_merge_add_results(pl_merge *merge, const char *path, json_t *results);
+/* Adds the results of an array, the lines of the file `path`, with the warnings of pl_merge_add. */
+void pl_merge_add_results(pl_merge *merge, const char *path, json_t *results, FILE *warnings);
 
 /* Adds a folder that may have no results, or not exist, without warnings, to the same snapshot as others. */
 pl_status pl_merge_add_any(pl_merge *merge, const char *folder, pl_error *error);
