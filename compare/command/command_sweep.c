@@ -165,104 +165,87 @@ static pl_status take(void *user, json_t *result, pl_error *error)
 
 /* What earlier runs left is read before the store is open: a lock of fcntl(2) ends when any
  * descriptor of the file is closed. */
-static pl_status open_store(sweep *s, pl_error *error)
+static void open_store(const pl_call *call, sweep *s)
 {
     static const char *const report_files[] = {"sweep.html", NULL};
-    const pl_request *r = &s->request;
+    pl_request r = s->request;
+    pl_error error = {.message = ""};
     pl_status status = PL_OK;
-    if (r->resume || (!s->is_shard && !r->force)) {
-        status = pl_merge_add_any(&s->before, r->out, error);
+    if (r.resume || (!s->is_shard && !r.force)) {
+        status = pl_merge_add_any(&s->before, r.out, &error);
     }
-    if (!r->resume && (status == PL_BAD_INPUT || json_array_size(s->before.results) > 0)) {
+    if (!r.resume && (status == PL_BAD_INPUT || json_array_size(s->before.results) > 0)) {
         status =
-            pl_fail(error, PL_BAD_INPUT,
+            pl_fail(&error, PL_BAD_INPUT,
                     "%s/results.jsonl, or a shard next to it, has results: --resume keeps them "
                     "and makes the runs that are missing, --force leaves them out, and --out "
                     "takes another folder",
-                    r->out);
+                    r.out);
     }
-    for (size_t i = 0; status == PL_OK && i < json_array_size(s->before.results); ++i) {
+    pl_call_check(call, status, &error);
+    for (size_t i = 0; i < json_array_size(s->before.results); ++i) {
         pl_pruning_see(&s->pruning, json_array_get(s->before.results, i));
     }
-    return status == PL_OK ? pl_store_open(s->folder, pl_store_mode_of(r->resume, r->force),
-                                           report_files, &s->store, error)
-                           : status;
+    r.out = s->folder;
+    s->store = pl_request_open_store(call, &r, report_files);
 }
 
 /* The conclusion from all that is there. */
-static pl_status conclude(sweep *s, pl_error *error)
+static void conclude(const pl_call *call, sweep *s)
 {
+    pl_error error = {.message = ""};
     char *path = pl_heap_format("%s/results.jsonl", s->folder);
     pl_merge_add_results(&s->before, path, pl_store_results(s->store), NULL);
-    free(path);
     const pl_result_table_def def = {.files = s->before.sources,
                                      .file_count = s->before.source_count,
                                      .has_changes = true,
                                      .home = s->request.home};
     pl_result_table results;
-    pl_status status = pl_result_table_build(&def, &results, error);
-    if (status == PL_OK) {
-        pl_result_table_print_left_out(&results, stderr);
-        json_t *conclusion = pl_sweep_conclude(&results);
-        status = pl_study_write(&s->request, &pl_sweep_study, conclusion, error);
-        json_decref(conclusion);
-    }
-    if (status == PL_OK) {
-        pl_print_line(stderr, "speed against error is in %s/sweep.html", s->request.out);
-    }
+    pl_call_check(call, pl_result_table_build(&def, &results, &error), &error);
+    pl_result_table_print_left_out(&results, stderr);
+    json_t *conclusion = pl_sweep_conclude(&results);
+    pl_call_check(call, pl_study_write(&s->request, &pl_sweep_study, conclusion, &error), &error);
+    pl_print_line(stderr, "speed against error is in %s/sweep.html", s->request.out);
+    json_decref(conclusion);
     pl_result_table_free(&results);
-    return status;
+    free(path);
 }
 
-/* What a process leaves that came to its end. A shard is a part, and says nothing by itself. */
-static pl_status deliver(sweep *s, pl_error *error)
-{
-    const json_t *made = pl_store_results(s->store);
-    const size_t count = json_array_size(made);
-    pl_status status = pl_results_write_json(s->request.json, made, error);
-    if (status == PL_OK && !s->is_shard) {
-        status = conclude(s, error);
-    }
-    if (status == PL_OK) {
-        pl_print_line(stderr,
-                      "%zu %s in %s/results.jsonl; plumb report %s --out DIR makes a report", count,
-                      count == 1 ? "result is" : "results are", s->folder, s->request.out);
-        pl_store_finish(s->store);
-    }
-    return status;
-}
-
-/* Runs what is due and delivers. */
+/* Runs what is due and delivers. A shard is a part, and says nothing by itself. */
 static int execute(const pl_call *call, sweep *s)
 {
     pl_error error = {.message = ""};
-    int signal_number = 0, code = PL_EXIT_OK;
+    int signal_number = 0;
     s->provenance = pl_call_provenance(call);
     s->before = pl_merge_begin();
     pl_pruning_begin(&s->pruning, &s->plan, s->repeat_below);
-    pl_status status = open_store(s, &error);
-    if (status == PL_OK) {
-        const pl_execution_def execution = {.plan = &s->plan,
-                                            .jobs = s->request.jobs,
-                                            .limits = s->request.limits,
-                                            .provenance = s->provenance,
-                                            .store = s->store,
-                                            .progress = stderr,
-                                            .user = s,
-                                            .skip = skip,
-                                            .take = take};
-        pl_request_note_threads(call, &s->plan);
-        status = pl_execute(&execution, &signal_number, &error);
+    open_store(call, s);
+    const pl_execution_def execution = {.plan = &s->plan,
+                                        .jobs = s->request.jobs,
+                                        .limits = s->request.limits,
+                                        .provenance = s->provenance,
+                                        .store = s->store,
+                                        .progress = stderr,
+                                        .user = s,
+                                        .skip = skip,
+                                        .take = take};
+    pl_request_note_threads(call, &s->plan);
+    const pl_status status = pl_execute(&execution, &signal_number, &error);
+    pl_call_check_end(call, status, &error, signal_number);
+    const json_t *made = pl_store_results(s->store);
+    const size_t count = json_array_size(made);
+    pl_call_check(call, pl_results_write_json(s->request.json, made, &error), &error);
+    if (!s->is_shard) {
+        conclude(call, s);
     }
-    if (status == PL_OK && signal_number == 0) {
-        status = deliver(s, &error);
-        code =
-            pl_results_all_unsupported(pl_store_results(s->store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-    }
+    pl_print_line(stderr, "%zu %s in %s/results.jsonl; plumb report %s --out DIR makes a report",
+                  count, count == 1 ? "result is" : "results are", s->folder, s->request.out);
+    pl_store_finish(s->store);
+    const int code = pl_results_all_unsupported(made) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     pl_merge_free(&s->before);
     pl_pruning_free(&s->pruning);
     json_decref(s->provenance);
-    return pl_call_end_store(call, s->store, s->folder, status, &error, signal_number, code);
+    return pl_call_end_store(call, s->store, s->folder, PL_OK, &error, 0, code);
 }
 
 static int run(const pl_call *call)
