@@ -75,24 +75,16 @@ static void find_curve(const pl_front_choice *of, int first, int engine, pl_swee
 
 static void find_curves(pl_sweep_analysis *analysis, pl_sweep_scene *scene)
 {
-    const size_t count = (size_t)scene->count;
-    pl_sweep_sample *samples = pl_heap_new(count, sizeof *samples);
-    const pl_front_choice of = {.points = analysis->points + scene->first,
-                                .count = scene->count,
-                                .samples = samples,
-                                .order = pl_heap_new(count, sizeof *of.order),
-                                .front = pl_heap_new(count, sizeof *of.front)};
+    pl_front_choice of = pl_front_begin(analysis, scene);
     for (int i = 0; i < scene->count; ++i) {
-        samples[i] = (pl_sweep_sample){of.points[i].cost, of.points[i].error};
+        of.samples[i] = (pl_sweep_sample){of.points[i].cost, of.points[i].error};
     }
     analysis->unjudged += scene->primary_error[0] == '\0';
     scene->curves = pl_heap_new((size_t)analysis->engine_count, sizeof *scene->curves);
     for (int e = 0; e < analysis->engine_count; ++e) {
         find_curve(&of, scene->first, e, &scene->curves[e]);
     }
-    free(samples);
-    free(of.order);
-    free(of.front);
+    pl_front_end(&of);
 }
 
 void pl_sweep_analyse(const pl_result_table *results, pl_sweep_analysis *analysis)

@@ -31,10 +31,17 @@ double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double co
 typedef struct pl_front_choice {
     const pl_sweep_point *points;
     int count;
-    const pl_sweep_sample *samples; /* of the points; those of points that are ok are defined */
-    int *order;                     /* gets the front, indices of points */
-    pl_sweep_sample *front;         /* gets its samples */
+    pl_sweep_sample
+        *samples;           /* of the points, owned; the caller sets those of points that are ok */
+    int *order;             /* gets the front, indices of points; owned */
+    pl_sweep_sample *front; /* gets its samples; owned */
 } pl_front_choice;
+
+/* The points of a scene without samples, for pl_front_end to free. */
+pl_front_choice pl_front_begin(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene);
+
+/* Frees the arrays that are owned. */
+void pl_front_end(pl_front_choice *choice);
 
 /* Finds the front of an engine's points that are ok, and reads it at all levels and times. Returns its size. */
 int pl_front_of(const pl_front_choice *choice, int engine, pl_front_reading *reading);

@@ -40,15 +40,9 @@ static pl_sweep_sample resample(const pl_sweep_point *point, double noise, pl_ra
 static void bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                       pl_front_reading *readings)
 {
-    const size_t count = (size_t)scene->count;
     const double noise = isnan(scene->noise) ? 0 : scene->noise;
-    pl_random *random = pl_heap_new(count, sizeof *random);
-    pl_sweep_sample *medians = pl_heap_new(count, sizeof *medians);
-    const pl_front_choice of = {.points = analysis->points + scene->first,
-                                .count = scene->count,
-                                .samples = medians,
-                                .order = pl_heap_new(count, sizeof *of.order),
-                                .front = pl_heap_new(count, sizeof *of.front)};
+    pl_random *random = pl_heap_new((size_t)scene->count, sizeof *random);
+    pl_front_choice of = pl_front_begin(analysis, scene);
     int most = 1;
     for (int i = 0; i < of.count; ++i) {
         random[i].state = of.points[i].hash;
@@ -57,7 +51,7 @@ static void bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *s
     double *scratch = pl_heap_new(2 * (size_t)most, sizeof *scratch);
     for (size_t replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
         for (int i = 0; i < of.count; ++i) {
-            medians[i] = resample(&of.points[i], noise, &random[i], scratch);
+            of.samples[i] = resample(&of.points[i], noise, &random[i], scratch);
         }
         for (int e = 0; e < analysis->engine_count; ++e) {
             if (scene->curves[e].ok > 0) {
@@ -66,9 +60,7 @@ static void bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *s
         }
     }
     free(random);
-    free(medians);
-    free(of.order);
-    free(of.front);
+    pl_front_end(&of);
     free(scratch);
 }
 

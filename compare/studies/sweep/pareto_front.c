@@ -1,6 +1,8 @@
 /* Levels, and Pareto fronts of cost and error. */
 #include "analysis_parts.h"
 
+#include "base/heap.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -108,6 +110,23 @@ static void read_front(const pl_sweep_sample *front, int count, pl_front_reading
         reading->at[PL_EXACTNESS_BETWEEN + k] =
             pl_front_error_at_cost(front, count, pl_sweep_times[k]);
     }
+}
+
+pl_front_choice pl_front_begin(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene)
+{
+    const size_t count = (size_t)scene->count;
+    return (pl_front_choice){.points = analysis->points + scene->first,
+                             .count = scene->count,
+                             .samples = pl_heap_new(count, sizeof(pl_sweep_sample)),
+                             .order = pl_heap_new(count, sizeof(int)),
+                             .front = pl_heap_new(count, sizeof(pl_sweep_sample))};
+}
+
+void pl_front_end(pl_front_choice *choice)
+{
+    free(choice->samples);
+    free(choice->order);
+    free(choice->front);
 }
 
 int pl_front_of(const pl_front_choice *choice, int engine, pl_front_reading *reading)
