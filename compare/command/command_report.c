@@ -7,7 +7,7 @@
 #include "results/result.h"
 #include "results/store.h"
 #include "studies/sweep/analysis.h"
-#include "studies/sweep/shard_merge.h"
+#include "studies/sweep/shard.h"
 #include "study_command.h"
 
 #include <stdlib.h>
@@ -103,7 +103,7 @@ static void analyse(making *m)
 {
     pl_result_table results = build_table(m, true);
     json_t *conclusion = pl_sweep_conclude(&results);
-    if (pl_sweep_has_settings(conclusion)) {
+    if (json_is_true(json_object_get(conclusion, "varied"))) {
         need(m, pl_study_write(m->request, &pl_sweep_study, conclusion, &m->error));
         pl_print_line(stderr, "speed against error is in %s/sweep.html", m->request->out);
     }

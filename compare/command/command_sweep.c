@@ -9,7 +9,6 @@
 #include "studies/sweep/analysis.h"
 #include "studies/sweep/grid.h"
 #include "studies/sweep/pruning.h"
-#include "studies/sweep/shard_merge.h"
 #include "study_command.h"
 
 #include <math.h>
@@ -62,52 +61,37 @@ static pl_status check(void *user, pl_error *error)
 /* ---- The plan ---- */
 
 /* Which shard, and where its results go. */
-static pl_status choose_shard(sweep *s, pl_error *error)
+static void choose_shard(const pl_call *call, sweep *s)
 {
+    pl_error error = {.message = ""};
     s->is_shard = true;
-    const pl_status status = s->asked != NULL
-                                 ? pl_shard_parse(s->asked, &s->shard, error)
-                                 : pl_shard_from_environment(&s->shard, &s->is_shard, error);
+    pl_call_check(call,
+                  s->asked != NULL ? pl_shard_parse(s->asked, &s->shard, &error)
+                                   : pl_shard_from_environment(&s->shard, &s->is_shard, &error),
+                  &error);
     s->folder =
         s->is_shard ? pl_shard_folder(s->request.out, s->shard) : pl_heap_copy(s->request.out);
-    return status;
 }
 
 /* Adds ENGINE:tuned of each engine for which a file of profiles has it. */
-static pl_status add_tuned(pl_plan *base, pl_error *error)
+static void add_tuned(const pl_call *call, pl_plan *base)
 {
-    pl_status status = PL_OK;
+    pl_error error = {.message = ""};
     const int count = base->configuration_count;
-    for (int i = 0; i < count && status == PL_OK; ++i) {
+    for (int i = 0; i < count; ++i) {
         const pl_engine_info *engine = base->configurations[i].choice.engine;
         pl_tuned_profile profile;
-        char spec[sizeof base->configurations->choice.spec];
         bool found = false;
         if (pl_engine_profile_index(engine, "tuned") < 0 && !engine->fault.is_fault) {
-            status = pl_tuned_profile_find(engine, "tuned", &profile, &found, error);
+            pl_call_check(call, pl_tuned_profile_find(engine, "tuned", &profile, &found, &error),
+                          &error);
         }
         if (found) { /* once, however many profiles the engine has */
-            snprintf(spec, sizeof spec, "%s:tuned", engine->spec);
-            status = pl_plan_add_engine(base, spec, error);
+            char *spec = pl_heap_format("%s:tuned", engine->spec);
+            pl_call_check(call, pl_plan_add_engine(base, spec, &error), &error);
+            free(spec);
         }
     }
-    return status;
-}
-
-/* The usual sweep varies the time step, and has drawn settings. */
-static pl_status make_usual(sweep *s, pl_plan *base, pl_drawn_settings *drawn, pl_error *error)
-{
-    pl_status status = add_vary(s, PL_SWEEP_STEPS, error);
-    if (status == PL_OK) {
-        const pl_draw_def def = {.plan = base,
-                                 .steps = s->varied[0].numbers,
-                                 .step_count = s->varied[0].count,
-                                 .settings = s->settings,
-                                 .all_profiles = s->request.engines.count == 0};
-        *drawn = pl_draw_settings(&def);
-        status = add_tuned(base, error);
-    }
-    return status;
 }
 
 static void set_defaults(sweep *s, bool is_usual)
@@ -121,29 +105,35 @@ static void set_defaults(sweep *s, bool is_usual)
     }
 }
 
-static pl_status make_plan(const pl_call *call, sweep *s, pl_error *error)
+/* The usual sweep varies the time step, and has drawn settings. */
+static void make_plan(const pl_call *call, sweep *s)
 {
     const bool is_usual = s->varied_count == 0;
+    pl_error error = {.message = ""};
     pl_drawn_settings drawn = {.count = 0};
     set_defaults(s, is_usual);
     pl_plan base = {.repeats = s->repeats};
-    pl_status status = pl_request_plan(call, &s->request, &base, error);
-    if (status == PL_OK && is_usual) {
-        status = make_usual(s, &base, &drawn, error);
+    pl_call_check(call, pl_request_plan(call, &s->request, &base, &error), &error);
+    if (is_usual) {
+        pl_call_check(call, add_vary(s, PL_SWEEP_STEPS, &error), &error);
+        const pl_draw_def def = {.plan = &base,
+                                 .steps = s->varied[0].numbers,
+                                 .step_count = s->varied[0].count,
+                                 .settings = s->settings,
+                                 .all_profiles = s->request.engines.count == 0};
+        drawn = pl_draw_settings(&def);
+        add_tuned(call, &base);
     }
-    if (status == PL_OK) {
-        const pl_grid_def def = {.base = &base,
-                                 .varied = s->varied,
-                                 .varied_count = s->varied_count,
-                                 .drawn = drawn.count > 0 ? &drawn : NULL,
-                                 .changes = s->changes,
-                                 .shard = s->shard};
-        status = pl_grid_plan(&def, &s->plan, error);
-        pl_plan_take_files(&s->plan, &base);
-    }
+    const pl_grid_def def = {.base = &base,
+                             .varied = s->varied,
+                             .varied_count = s->varied_count,
+                             .drawn = drawn.count > 0 ? &drawn : NULL,
+                             .changes = s->changes,
+                             .shard = s->shard};
+    pl_call_check(call, pl_grid_plan(&def, &s->plan, &error), &error);
+    pl_plan_take_files(&s->plan, &base);
     pl_drawn_settings_free(&drawn);
     pl_plan_free(&base);
-    return status;
 }
 
 /* ---- Runs ---- */
@@ -175,104 +165,87 @@ static pl_status take(void *user, json_t *result, pl_error *error)
 
 /* What earlier runs left is read before the store is open: a lock of fcntl(2) ends when any
  * descriptor of the file is closed. */
-static pl_status open_store(sweep *s, pl_error *error)
+static void open_store(const pl_call *call, sweep *s)
 {
     static const char *const report_files[] = {"sweep.html", NULL};
-    const pl_request *r = &s->request;
+    pl_request r = s->request;
+    pl_error error = {.message = ""};
     pl_status status = PL_OK;
-    if (r->resume || (!s->is_shard && !r->force)) {
-        status = pl_merge_add_any(&s->before, r->out, error);
+    if (r.resume || (!s->is_shard && !r.force)) {
+        status = pl_merge_add_any(&s->before, r.out, &error);
     }
-    if (!r->resume && (status == PL_BAD_INPUT || json_array_size(s->before.results) > 0)) {
+    if (!r.resume && (status == PL_BAD_INPUT || json_array_size(s->before.results) > 0)) {
         status =
-            pl_fail(error, PL_BAD_INPUT,
+            pl_fail(&error, PL_BAD_INPUT,
                     "%s/results.jsonl, or a shard next to it, has results: --resume keeps them "
                     "and makes the runs that are missing, --force leaves them out, and --out "
                     "takes another folder",
-                    r->out);
+                    r.out);
     }
-    for (size_t i = 0; status == PL_OK && i < json_array_size(s->before.results); ++i) {
+    pl_call_check(call, status, &error);
+    for (size_t i = 0; i < json_array_size(s->before.results); ++i) {
         pl_pruning_see(&s->pruning, json_array_get(s->before.results, i));
     }
-    return status == PL_OK ? pl_store_open(s->folder, pl_store_mode_of(r->resume, r->force),
-                                           report_files, &s->store, error)
-                           : status;
+    r.out = s->folder;
+    s->store = pl_request_open_store(call, &r, report_files);
 }
 
 /* The conclusion from all that is there. */
-static pl_status conclude(sweep *s, pl_error *error)
+static void conclude(const pl_call *call, sweep *s)
 {
+    pl_error error = {.message = ""};
     char *path = pl_heap_format("%s/results.jsonl", s->folder);
-    pl_merge_add_results(&s->before, path, pl_store_results(s->store));
-    free(path);
+    pl_merge_add_results(&s->before, path, pl_store_results(s->store), NULL);
     const pl_result_table_def def = {.files = s->before.sources,
                                      .file_count = s->before.source_count,
                                      .has_changes = true,
                                      .home = s->request.home};
     pl_result_table results;
-    pl_status status = pl_result_table_build(&def, &results, error);
-    if (status == PL_OK) {
-        pl_result_table_print_left_out(&results, stderr);
-        json_t *conclusion = pl_sweep_conclude(&results);
-        status = pl_study_write(&s->request, &pl_sweep_study, conclusion, error);
-        json_decref(conclusion);
-    }
-    if (status == PL_OK) {
-        pl_print_line(stderr, "speed against error is in %s/sweep.html", s->request.out);
-    }
+    pl_call_check(call, pl_result_table_build(&def, &results, &error), &error);
+    pl_result_table_print_left_out(&results, stderr);
+    json_t *conclusion = pl_sweep_conclude(&results);
+    pl_call_check(call, pl_study_write(&s->request, &pl_sweep_study, conclusion, &error), &error);
+    pl_print_line(stderr, "speed against error is in %s/sweep.html", s->request.out);
+    json_decref(conclusion);
     pl_result_table_free(&results);
-    return status;
+    free(path);
 }
 
-/* What a process leaves that came to its end. A shard is a part, and says nothing by itself. */
-static pl_status deliver(sweep *s, pl_error *error)
-{
-    const json_t *made = pl_store_results(s->store);
-    const size_t count = json_array_size(made);
-    pl_status status = pl_results_write_json(s->request.json, made, error);
-    if (status == PL_OK && !s->is_shard) {
-        status = conclude(s, error);
-    }
-    if (status == PL_OK) {
-        pl_print_line(stderr,
-                      "%zu %s in %s/results.jsonl; plumb report %s --out DIR makes a report", count,
-                      count == 1 ? "result is" : "results are", s->folder, s->request.out);
-        pl_store_finish(s->store);
-    }
-    return status;
-}
-
-/* Runs what is due and delivers. */
+/* Runs what is due and delivers. A shard is a part, and says nothing by itself. */
 static int execute(const pl_call *call, sweep *s)
 {
     pl_error error = {.message = ""};
-    int signal_number = 0, code = PL_EXIT_OK;
+    int signal_number = 0;
     s->provenance = pl_call_provenance(call);
     s->before = pl_merge_begin();
     pl_pruning_begin(&s->pruning, &s->plan, s->repeat_below);
-    pl_status status = open_store(s, &error);
-    if (status == PL_OK) {
-        const pl_execution_def execution = {.plan = &s->plan,
-                                            .jobs = s->request.jobs,
-                                            .limits = s->request.limits,
-                                            .provenance = s->provenance,
-                                            .store = s->store,
-                                            .progress = stderr,
-                                            .user = s,
-                                            .skip = skip,
-                                            .take = take};
-        pl_request_note_threads(call, &s->plan);
-        status = pl_execute(&execution, &signal_number, &error);
+    open_store(call, s);
+    const pl_execution_def execution = {.plan = &s->plan,
+                                        .jobs = s->request.jobs,
+                                        .limits = s->request.limits,
+                                        .provenance = s->provenance,
+                                        .store = s->store,
+                                        .progress = stderr,
+                                        .user = s,
+                                        .skip = skip,
+                                        .take = take};
+    pl_request_note_threads(call, &s->plan);
+    const pl_status status = pl_execute(&execution, &signal_number, &error);
+    pl_call_check_end(call, status, &error, signal_number);
+    const json_t *made = pl_store_results(s->store);
+    const size_t count = json_array_size(made);
+    pl_call_check(call, pl_results_write_json(s->request.json, made, &error), &error);
+    if (!s->is_shard) {
+        conclude(call, s);
     }
-    if (status == PL_OK && signal_number == 0) {
-        status = deliver(s, &error);
-        code =
-            pl_results_all_unsupported(pl_store_results(s->store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-    }
+    pl_print_line(stderr, "%zu %s in %s/results.jsonl; plumb report %s --out DIR makes a report",
+                  count, count == 1 ? "result is" : "results are", s->folder, s->request.out);
+    pl_store_finish(s->store);
+    const int code = pl_results_all_unsupported(made) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     pl_merge_free(&s->before);
     pl_pruning_free(&s->pruning);
     json_decref(s->provenance);
-    return pl_call_end_store(call, s->store, s->folder, status, &error, signal_number, code);
+    return pl_call_end_store(call, s->store, s->folder, PL_OK, &error, 0, code);
 }
 
 static int run(const pl_call *call)
@@ -286,19 +259,13 @@ static int run(const pl_call *call)
     pl_call_parse(call, &s);
     pl_error error = {.message = ""};
     int code = PL_EXIT_OK;
-    pl_status status = pl_request_outputs(&s.request, s.list, &error);
-    if (status == PL_OK) {
-        status = choose_shard(&s, &error);
+    pl_call_check(call, pl_request_outputs(&s.request, s.list, &error), &error);
+    choose_shard(call, &s);
+    make_plan(call, &s);
+    if (s.list != NULL) {
+        pl_call_check(call, pl_grid_list(&s.plan, s.list, &error), &error);
     }
-    if (status == PL_OK) {
-        status = make_plan(call, &s, &error);
-    }
-    if (status == PL_OK && s.list != NULL) {
-        status = pl_grid_list(&s.plan, s.list, &error);
-    }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (s.plan.configuration_count == 0) {
+    if (s.plan.configuration_count == 0) {
         code = pl_call_nothing(call, "there is nothing to compare");
     } else if (s.list == NULL) {
         code = execute(call, &s);

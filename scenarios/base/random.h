@@ -27,8 +27,7 @@ static inline double pl_random_unit(pl_random *random)
 }
 
 /* Nearly normal, with mean 0 and variance 1: the sum of twelve uniform numbers, minus 6. Its
- * absolute value is at most PL_RANDOM_MOST_NORMAL. */
-#define PL_RANDOM_MOST_NORMAL 6.0
+ * absolute value is at most 6. */
 static inline double pl_random_normal(pl_random *random)
 {
     double sum = -6;

@@ -167,8 +167,8 @@ static void test_settings_are_counted_by_scene(void **state)
     add_sweep_run(results, (sweep_run){.scenario = "b", "plumb:p", 3, 1e-4});
     pl_sweep_analysis analysis = analysis_of(results);
     const int ode = engine_named(&analysis, "ode");
-    assert_int_equal(pl_sweep_curve_settings(&analysis.scenes[0].curves[ode]), 3);
-    assert_int_equal(pl_sweep_curve_settings(&analysis.scenes[1].curves[ode]), 1);
+    assert_int_equal(analysis.scenes[0].curves[ode].tried, 3);
+    assert_int_equal(analysis.scenes[1].curves[ode].tried, 1);
     char *text = document_of(&analysis);
     assert_contains(text, "not with 1 setting");
     free(text);

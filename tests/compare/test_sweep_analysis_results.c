@@ -19,7 +19,7 @@ static void test_point_is_the_median_of_its_repeats(void **state)
                 (const double[]){4, 4, 4, 4}, 4);
     pl_sweep_analysis analysis = analysis_of(results);
     assert_int_equal(analysis.point_count, 2);
-    assert_int_equal(analysis.run_count, 7);
+    assert_int_equal(analysis.results->row_count, 7);
     assert_int_equal(analysis.scene_count, 1); /* dt is none of the scene's */
     const pl_sweep_point *point = &analysis.points[0];
     assert_close(point->dt, 1.0 / 64, 0, 0); /* by falling dt */
@@ -271,13 +271,13 @@ static void test_several_processors_and_builds_are_noted(void **state)
     (void)state;
     json_t *results = crossing_sweep(), *later = json_deep_copy(results);
     pl_sweep_analysis analysis = analysis_of(results);
-    assert_false(analysis.several_hosts || analysis.several_builds);
+    assert_false(analysis.results->several_hosts || analysis.several_builds);
     pl_sweep_analysis_free(&analysis);
     json_object_set_new(json_object_get(json_array_get(results, 1), "host"), "cpu",
                         json_string("two"));
     json_object_set_new(json_array_get(later, 2), "engine_version", json_string("2.0"));
     pl_sweep_analyse(table_of_two(results, later, false, "plumb"), &analysis);
-    assert_true(analysis.several_hosts && analysis.several_builds);
+    assert_true(analysis.results->several_hosts && analysis.several_builds);
     finish_sweep(&analysis, results);
     json_decref(later);
 }

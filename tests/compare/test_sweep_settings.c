@@ -1,6 +1,6 @@
 /* The settings that the usual sweep draws of each engine. */
 #include "check.h"
-#include "studies/sweep/drawn_settings.h"
+#include "studies/sweep/grid.h"
 #include "studies/tunable.h"
 #include "studies/variant.h"
 

@@ -3,7 +3,6 @@
 #include "plumb_process.h"
 #include "results/store.h"
 #include "studies/sweep/shard.h"
-#include "studies/sweep/shard_merge.h"
 
 #include <stdio.h>
 #include <stdlib.h>

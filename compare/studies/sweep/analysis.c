@@ -47,58 +47,44 @@ static void estimate_noise(pl_sweep_analysis *analysis)
 
 /* ---- Curves ---- */
 
-/* Scratch space for the points of the analysis. */
-typedef struct workspace {
-    pl_sweep_sample *samples; /* of all points; those that are ok are defined */
-    pl_sweep_sample *front;
-} workspace;
-
-static void find_curve(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int engine,
-                       const workspace *w)
+static void find_curve(const pl_front_choice *of, int first, int engine, pl_sweep_curve *curve)
 {
-    pl_sweep_curve *curve = &scene->curves[engine];
-    curve->front = pl_heap_new((size_t)scene->count, sizeof *curve->front);
-    for (int i = scene->first; i < scene->first + scene->count; ++i) {
-        const pl_sweep_point *point = &analysis->points[i];
+    for (int i = 0; i < of->count; ++i) {
+        const pl_sweep_point *point = &of->points[i];
         if (pl_sweep_point_is_of(point, engine)) {
+            curve->ok += point->state == PL_SWEEP_OK;
             curve->failed += point->state == PL_SWEEP_FAILED;
             curve->unmeasured += point->state == PL_SWEEP_UNMEASURED;
-            curve->front[curve->ok] = i;
-            curve->ok += point->state == PL_SWEEP_OK;
+            curve->tried += point->state != PL_SWEEP_UNSUPPORTED;
         }
     }
-    curve->front_count = pl_front_find(w->samples, curve->front, curve->ok);
-    for (int i = 0; i < curve->front_count; ++i) {
-        w->front[i] = w->samples[curve->front[i]];
+    const int count = pl_front_of(of, engine, &curve->reading);
+    for (int i = 0; i < count; ++i) {
+        const int point = first + of->order[i];
+        pl_push(&curve->front, &curve->front_count, &point, sizeof point);
     }
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-        int i = pl_front_cheapest(w->front, curve->front_count, pl_sweep_levels[k]);
+        const int i = pl_front_cheapest(of->front, count, pl_sweep_levels[k]);
         curve->cheapest[k] = i < 0 ? -1 : curve->front[i];
     }
     for (int k = 0; k < PL_SWEEP_TIMES; ++k) {
-        int i = pl_front_most_exact(w->front, curve->front_count, pl_sweep_times[k]);
+        const int i = pl_front_most_exact(of->front, count, pl_sweep_times[k]);
         curve->most_exact[k] = i < 0 ? -1 : curve->front[i];
     }
 }
 
-static void find_curves(pl_sweep_analysis *analysis)
+static void find_curves(pl_sweep_analysis *analysis, pl_sweep_scene *scene)
 {
-    const size_t points = (size_t)analysis->point_count;
-    const workspace w = {pl_heap_new(points, sizeof *w.samples),
-                         pl_heap_new(points, sizeof *w.front)};
-    for (int i = 0; i < analysis->point_count; ++i) {
-        w.samples[i] = (pl_sweep_sample){analysis->points[i].cost, analysis->points[i].error};
+    pl_front_choice of = pl_front_begin(analysis, scene);
+    for (int i = 0; i < scene->count; ++i) {
+        of.samples[i] = (pl_sweep_sample){of.points[i].cost, of.points[i].error};
     }
-    for (int p = 0; p < analysis->scene_count; ++p) {
-        pl_sweep_scene *scene = &analysis->scenes[p];
-        analysis->unjudged += scene->primary_error[0] == '\0';
-        scene->curves = pl_heap_new((size_t)analysis->engine_count, sizeof *scene->curves);
-        for (int e = 0; e < analysis->engine_count; ++e) {
-            find_curve(analysis, scene, e, &w);
-        }
+    analysis->unjudged += scene->primary_error[0] == '\0';
+    scene->curves = pl_heap_new((size_t)analysis->engine_count, sizeof *scene->curves);
+    for (int e = 0; e < analysis->engine_count; ++e) {
+        find_curve(&of, scene->first, e, &scene->curves[e]);
     }
-    free(w.samples);
-    free(w.front);
+    pl_front_end(&of);
 }
 
 void pl_sweep_analyse(const pl_result_table *results, pl_sweep_analysis *analysis)
@@ -106,7 +92,9 @@ void pl_sweep_analyse(const pl_result_table *results, pl_sweep_analysis *analysi
     *analysis = (pl_sweep_analysis){.results = results};
     pl_sweep_gather(analysis);
     estimate_noise(analysis);
-    find_curves(analysis);
+    for (int p = 0; p < analysis->scene_count; ++p) {
+        find_curves(analysis, &analysis->scenes[p]);
+    }
     pl_compare_pairwise(analysis);
     pl_list_losses(analysis);
 }

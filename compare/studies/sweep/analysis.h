@@ -85,15 +85,33 @@ typedef struct pl_sweep_engine {
     const char *unverified;
 } pl_sweep_engine;
 
+/* Places of ratios of two engines: cost at error, by level, and error at cost, by time, the second over the first. They
+ * are of the cheapest points at or below the error, and of the most exact ones that cost no more; those between are
+ * interpolated linearly in the logarithms between points, where the error, or cost, lies within both fronts. */
+enum {
+    PL_SPEED = 0,
+    PL_SPEED_BETWEEN = PL_SPEED + PL_SWEEP_LEVELS,
+    PL_EXACTNESS = PL_SPEED_BETWEEN + PL_SWEEP_LEVELS,
+    PL_EXACTNESS_BETWEEN = PL_EXACTNESS + PL_SWEEP_TIMES,
+    PL_READINGS = PL_EXACTNESS_BETWEEN + PL_SWEEP_TIMES
+};
+
+/* A front read at all levels and times, at the places of its ratios (PL_SPEED ...): costs and errors of its samples,
+ * and interpolated ones. NAN: no value. */
+typedef struct pl_front_reading {
+    double at[PL_READINGS];
+} pl_front_reading;
+
 /* One engine on one scene. */
 typedef struct pl_sweep_curve {
-    int ok, failed, unmeasured; /* points; all 0: none was run or supported. Their sum is the number
-                                   of settings that were tried */
+    int tried; /* settings: points that the engine supports, with any outcome. 0: it was not run on the scene */
+    int ok, failed, unmeasured; /* of them */
     int *front; /* (front_count): points of which no other is both cheaper and as exact, by rising
                    cost and falling error; owned */
     int front_count;
     int cheapest[PL_SWEEP_LEVELS];  /* the cheapest point at or below the level; -1: not reached */
     int most_exact[PL_SWEEP_TIMES]; /* the most exact point that costs no more; -1: none does */
+    pl_front_reading reading;
 } pl_sweep_curve;
 
 /* The engines that have a point at an error or at a cost. */
@@ -109,17 +127,6 @@ typedef enum pl_attained_by {
 typedef struct pl_sweep_ratio {
     double value, low, high;
 } pl_sweep_ratio;
-
-/* Places of ratios of two engines: cost at error, by level, and error at cost, by time, the second over the first. They
- * are of the cheapest points at or below the error, and of the most exact ones that cost no more; those between are
- * interpolated linearly in the logarithms between points, where the error, or cost, lies within both fronts. */
-enum {
-    PL_SPEED = 0,
-    PL_SPEED_BETWEEN = PL_SPEED + PL_SWEEP_LEVELS,
-    PL_EXACTNESS = PL_SPEED_BETWEEN + PL_SWEEP_LEVELS,
-    PL_EXACTNESS_BETWEEN = PL_EXACTNESS + PL_SWEEP_TIMES,
-    PL_READINGS = PL_EXACTNESS_BETWEEN + PL_SWEEP_TIMES
-};
 
 /* Two engines on one scene. */
 typedef struct pl_pairwise_comparison {
@@ -184,7 +191,6 @@ typedef struct pl_sweep_analysis {
     int compared;    /* scene, pair with the home engine and level, where one or both are there */
     int run_count;   /* rows, doubles left out */
     int unjudged;    /* scenes without a primary error: their points are unmeasured */
-    bool several_hosts;  /* rows come from different processors */
     bool several_builds; /* rows come from different builds or versions of one engine */
 } pl_sweep_analysis;
 
@@ -197,21 +203,11 @@ void pl_sweep_analysis_free(pl_sweep_analysis *analysis);
 /* Whether a point is one of the engine's. */
 bool pl_sweep_point_is_of(const pl_sweep_point *point, int engine);
 
-/* How many settings of the engine were tried on the scene: points that it supports, with any
- * outcome. */
-int pl_sweep_curve_settings(const pl_sweep_curve *curve);
-
-/* The engine was run on the scene, with any outcome. */
-bool pl_sweep_curve_was_run(const pl_sweep_curve *curve);
-
 /* The analysis as one JSON object, plumb.sweep/2 (SCHEMA.md): a new reference. */
 json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis);
 
 /* The same of a table: the conclusion of the study. A new reference. */
 json_t *pl_sweep_conclude(const pl_result_table *results);
-
-/* Whether a profile has several points on a scene of the conclusion: other settings or time steps. */
-bool pl_sweep_has_settings(const json_t *conclusion);
 
 /* The study, whose runs are results of no study: pl_sweep_conclude concludes from them. */
 extern const pl_study pl_sweep_study;

@@ -124,11 +124,10 @@ static json_t *curve_json(const pl_sweep_analysis *analysis, const pl_sweep_curv
                               reached < 0 ? json_null() : number(analysis->points[reached].cost));
     }
     return json_pack("{s:i, s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:o}", "engine", engine, "settings",
-                     pl_sweep_curve_settings(curve), "ok", curve->ok, "failed", curve->failed,
-                     "unmeasured", curve->unmeasured, "front",
-                     places(curve->front, curve->front_count), "cheapest_at_level",
-                     places(curve->cheapest, PL_SWEEP_LEVELS), "cost_at_level", costs,
-                     "most_exact_at_time", places(curve->most_exact, PL_SWEEP_TIMES));
+                     curve->tried, "ok", curve->ok, "failed", curve->failed, "unmeasured",
+                     curve->unmeasured, "front", places(curve->front, curve->front_count),
+                     "cheapest_at_level", places(curve->cheapest, PL_SWEEP_LEVELS), "cost_at_level",
+                     costs, "most_exact_at_time", places(curve->most_exact, PL_SWEEP_TIMES));
 }
 
 /* Who reached a level, the ratios there, and the settings that they are of. */
@@ -200,7 +199,7 @@ static json_t *scene_json(const pl_sweep_analysis *analysis, int p)
     json_t *params = json_copy(json_object_get(scene->row, "params"));
     json_object_del(params, "dt");
     for (int e = 0; e < analysis->engine_count; ++e) {
-        if (pl_sweep_curve_was_run(&scene->curves[e])) {
+        if (scene->curves[e].tried > 0) {
             json_array_append_new(curves, curve_json(analysis, &scene->curves[e], e));
         }
     }
@@ -255,7 +254,7 @@ static json_t *loss_json(const pl_sweep_analysis *analysis, int i)
                      pl_sweep_levels[loss->level], "reached", attained_json(loss->attained),
                      "first_point", place(loss->first), "second_point", place(loss->second),
                      "speed", ratio_json(&loss->speed), "within_noise", (int)loss->within_noise,
-                     "settings", pl_sweep_curve_settings(curve));
+                     "settings", curve->tried);
 }
 
 /* ---- Performance profiles (Dolan and More 2002) ---- */
@@ -265,7 +264,7 @@ static bool belongs(const pl_sweep_analysis *analysis, const pl_sweep_scene *sce
                     pl_sweep_kind kind)
 {
     for (int e = 0; e < analysis->engine_count; ++e) {
-        if (analysis->engines[e].kind == kind && !pl_sweep_curve_was_run(&scene->curves[e])) {
+        if (analysis->engines[e].kind == kind && scene->curves[e].tried == 0) {
             return false;
         }
     }
@@ -305,6 +304,21 @@ static json_t *ratios_json(const pl_sweep_analysis *analysis, int engine, int le
     return array;
 }
 
+/* The shares of scenes that an engine solves within factors of the least cost. */
+static json_t *shares_json(const json_t *ratios, int scenes)
+{
+    static const double factors[] = {1, 1.5, 2, 3, 5, 10, 100, (double)INFINITY};
+    json_t *shares = json_array();
+    for (size_t k = 0, count = 0; k < sizeof factors / sizeof factors[0] && scenes > 0; ++k) {
+        while (count < json_array_size(ratios) &&
+               json_number_value(json_array_get(ratios, count)) <= factors[k]) {
+            ++count;
+        }
+        json_array_append_new(shares, json_real((double)count / scenes));
+    }
+    return shares;
+}
+
 /* First those of whole engines by level, then those of profiles. */
 static json_t *profile_json(const pl_sweep_analysis *analysis, int i)
 {
@@ -317,12 +331,26 @@ static json_t *profile_json(const pl_sweep_analysis *analysis, int i)
     }
     for (int e = 0; e < analysis->engine_count; ++e) {
         if (analysis->engines[e].kind == kind) {
-            json_array_append_new(engines, json_pack("{s:i, s:o}", "engine", e, "ratios",
-                                                     ratios_json(analysis, e, level)));
+            json_t *ratios = ratios_json(analysis, e, level);
+            json_array_append_new(engines,
+                                  json_pack("{s:i, s:o, s:o}", "engine", e, "ratios", ratios,
+                                            "shares", shares_json(ratios, scenes)));
         }
     }
     return json_pack("{s:f, s:b, s:i, s:o}", "level", pl_sweep_levels[level], "all_profiles",
                      (int)(kind == PL_SWEEP_WHOLE), "scenes", scenes, "engines", engines);
+}
+
+/* Whether a profile has several points on a scene: other settings or time steps. */
+static bool is_varied(const pl_sweep_analysis *analysis)
+{
+    bool found = false;
+    for (int i = 0; i < analysis->scene_count * analysis->engine_count; ++i) {
+        const int e = i % analysis->engine_count;
+        found |= analysis->engines[e].kind == PL_SWEEP_PROFILE &&
+                 analysis->scenes[i / analysis->engine_count].curves[e].tried > 1;
+    }
+    return found;
 }
 
 /* ---- In words ---- */
@@ -396,12 +424,13 @@ static void set_said(json_t *json, const char *key, char *said)
 json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis)
 {
     json_t *json = json_pack(
-        "{s:s, s:i, s:f, s:i, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "schema",
-        "plumb.sweep/2", "runs", analysis->run_count, "error_floor", pl_sweep_error_floor, "draws",
+        "{s:s, s:i, s:b, s:f, s:i, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
+        "schema", "plumb.sweep/2", "runs", analysis->results->row_count, "varied",
+        (int)is_varied(analysis), "error_floor", pl_sweep_error_floor, "draws",
         PL_BOOTSTRAP_REPLICATES, "levels", numbers(pl_sweep_levels, PL_SWEEP_LEVELS), "times",
-        numbers(pl_sweep_times, PL_SWEEP_TIMES), "several_hosts", (int)analysis->several_hosts,
-        "several_builds", (int)analysis->several_builds, "engines",
-        list(analysis, analysis->engine_count, engine_json), "losses",
+        numbers(pl_sweep_times, PL_SWEEP_TIMES), "several_hosts",
+        (int)analysis->results->several_hosts, "several_builds", (int)analysis->several_builds,
+        "engines", list(analysis, analysis->engine_count, engine_json), "losses",
         list(analysis, analysis->loss_count, loss_json), "pairs",
         list(analysis, analysis->pair_count, pair_json), "profiles",
         list(analysis, 2 * PL_SWEEP_LEVELS, profile_json), "orders", pl_orders_find(analysis),
@@ -418,7 +447,7 @@ json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis)
                                   statement, analysis->unjudged, analysis->scene_count));
     set_said(json, "warning",
              pl_heap_format("%s%s",
-                            analysis->several_hosts
+                            analysis->results->several_hosts
                                 ? "These runs come from several processors: ratios of time between "
                                   "them mean little. "
                                 : "",

@@ -19,22 +19,20 @@ static bool is_fine(const pl_sweep_loss *loss)
     return loss->level >= PL_SWEEP_MATCHED_LEVEL;
 }
 
+/* Fine ones first, in them those beyond noise, in those the ones that were not reached. */
+static int rank_of(const pl_sweep_loss *loss)
+{
+    return 4 * !is_fine(loss) + 2 * loss->within_noise + (loss->attained == PL_ATTAINED_BY_BOTH);
+}
+
 static int compare_losses(const void *left, const void *right)
 {
     const pl_sweep_loss *a = left, *b = right;
-    if (is_fine(a) != is_fine(b)) {
-        return is_fine(a) ? -1 : 1;
-    }
-    if (a->within_noise != b->within_noise) {
-        return a->within_noise ? 1 : -1;
-    }
-    if (a->attained != b->attained) {
-        return a->attained == PL_ATTAINED_BY_SECOND_ONLY ? -1 : 1;
-    }
-    if (a->attained == PL_ATTAINED_BY_BOTH && a->speed.value != b->speed.value) {
+    int order = rank_of(a) - rank_of(b);
+    if (order == 0 && a->attained == PL_ATTAINED_BY_BOTH && a->speed.value != b->speed.value) {
         return a->speed.value < b->speed.value ? -1 : 1;
     }
-    int order = a->scene - b->scene;
+    order = order != 0 ? order : a->scene - b->scene;
     order = order != 0 ? order : a->pair - b->pair;
     return order != 0 ? order : a->level - b->level;
 }

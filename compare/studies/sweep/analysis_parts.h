@@ -27,14 +27,24 @@ double pl_front_cost_at_error(const pl_sweep_sample *front, int count, double er
 /* The error at a cost, interpolated in the same way; NAN outside of the front. */
 double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double cost);
 
-/* A front read at all levels and times, at the places of its ratios (PL_SPEED ...): costs and errors of its samples,
- * and interpolated ones. NAN where it has no value. */
-typedef struct pl_front_reading {
-    double at[PL_READINGS];
-} pl_front_reading;
+/* The points of a scene with what fronts are found in: (count) each. */
+typedef struct pl_front_choice {
+    const pl_sweep_point *points;
+    int count;
+    pl_sweep_sample
+        *samples;           /* of the points, owned; the caller sets those of points that are ok */
+    int *order;             /* gets the front, indices of points; owned */
+    pl_sweep_sample *front; /* gets its samples; owned */
+} pl_front_choice;
 
-/* Reads a front of `count` samples at all levels and times of a sweep. */
-void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *reading);
+/* The points of a scene without samples, for pl_front_end to free. */
+pl_front_choice pl_front_begin(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene);
+
+/* Frees the arrays that are owned. */
+void pl_front_end(pl_front_choice *choice);
+
+/* Finds the front of an engine's points that are ok, and reads it at all levels and times. Returns its size. */
+int pl_front_of(const pl_front_choice *choice, int engine, pl_front_reading *reading);
 
 /* ---- Pairs of engines ---- */
 

@@ -32,18 +32,6 @@ static bool is_changed(const pl_result_row *row)
     return row->change[0] != '\0';
 }
 
-/* Why a point whose runs are all ok has no sample. */
-static const char *what_is_missing(const pl_result_row *row, int errors, int costs)
-{
-    if (row->primary_error[0] == '\0') {
-        return "the scenario has no primary error";
-    }
-    if (errors == 0) {
-        return "the primary error has no value";
-    }
-    return costs == 0 ? "no time was measured" : "no repeat has both an error and a time";
-}
-
 /* The median of the samples' costs, or errors, of their deviations from `centre`. */
 static double median_of(const pl_sweep_point *point, bool errors, double centre, double *scratch)
 {
@@ -54,7 +42,18 @@ static double median_of(const pl_sweep_point *point, bool errors, double centre,
     return pl_median(scratch, point->sample_count);
 }
 
-/* Sets the state of a point to that of the worst of its rows. */
+/* Notes the row that a point has its outcome from. */
+static void take_row(const pl_result_row *row, const char *reason, pl_sweep_point *point)
+{
+    point->row = row->result;
+    point->change = row->change;
+    point->outcome = pl_outcome_name(row->outcome);
+    point->label = row->label;
+    point->reason = reason;
+}
+
+/* Sets the state of a point to that of the worst of its rows. A point that is unsupported on a changed scene only has
+ * failed there. */
 static void judge_outcomes(const pl_result_row *const *rows, int count, pl_sweep_point *point)
 {
     const pl_result_row *worst = rows[0];
@@ -62,19 +61,16 @@ static void judge_outcomes(const pl_result_row *const *rows, int count, pl_sweep
         worst = pl_result_row_is_worse(rows[i], worst) ? rows[i] : worst;
     }
     const bool is_ok = worst->outcome == PL_OUTCOME_OK;
-    /* What is unsupported on a changed scene only has failed there. */
-    point->state = worst->outcome == PL_OUTCOME_UNSUPPORTED && !is_changed(worst)
-                       ? PL_SWEEP_UNSUPPORTED
-                   : !is_ok || worst->verdict == PL_VERDICT_FAILED ? PL_SWEEP_FAILED
-                                                                   : PL_SWEEP_OK;
-    worst = point->state == PL_SWEEP_OK ? rows[0] : worst;
-    point->row = worst->result;
-    point->change = worst->change;
-    point->outcome = pl_outcome_name(worst->outcome);
-    point->reason = point->state == PL_SWEEP_FAILED && is_ok
-                        ? pl_json_get_text(worst->result, "verdict_reason")
-                        : worst->reason;
-    point->label = worst->label;
+    if (worst->outcome == PL_OUTCOME_UNSUPPORTED && !is_changed(worst)) {
+        point->state = PL_SWEEP_UNSUPPORTED;
+        take_row(worst, worst->reason, point);
+    } else if (!is_ok || worst->verdict == PL_VERDICT_FAILED) {
+        point->state = PL_SWEEP_FAILED;
+        take_row(worst, is_ok ? pl_json_get_text(worst->result, "verdict_reason") : worst->reason,
+                 point);
+    } else {
+        take_row(rows[0], rows[0]->reason, point);
+    }
 }
 
 static double error_of(const pl_result_row *row)
@@ -82,65 +78,67 @@ static double error_of(const pl_result_row *row)
     return fabs(pl_result_metric(row->result, row->primary_error));
 }
 
-/* Raises the errors of a point to the largest of its changes. A change without one leaves it
- * unmeasured. */
-static void apply_changes(const pl_result_row *const *changed, int count, pl_sweep_point *point)
-{
-    for (int i = 0; i < count && point->state == PL_SWEEP_OK; ++i) {
-        const double found = error_of(changed[i]);
-        if (!isfinite(found)) {
-            point->state = PL_SWEEP_UNMEASURED;
-            point->row = changed[i]->result;
-            point->change = changed[i]->change;
-            point->reason = "the primary error has no value";
-        } else if (found > point->raw_error) {
-            point->raw_error = found;
-            point->change = changed[i]->change;
-        }
-        for (int k = 0; k < point->sample_count && isfinite(found); ++k) {
-            point->samples[k].error = fmax(point->samples[k].error, found);
-        }
-    }
-}
-
 /* Takes the samples of the runs on the scene itself, which are all ok. `scratch` has three numbers a
- * row. */
-static void take_samples(const pl_result_row *const *rows, int count, double *scratch,
-                         pl_sweep_point *point)
+ * row. Returns why there are none; NULL: there are. */
+static const char *take_samples(const pl_result_row *const *rows, int count, double *scratch,
+                                pl_sweep_point *point)
 {
-    if (pl_result_runtime(rows[0]->result) != NULL) {
-        point->state = PL_SWEEP_UNMEASURED;
-        point->reason = "the engine is not native: its times are not ranked";
-        return;
-    }
     double *raw = scratch + count, *instructions = raw + count;
     int errors = 0, costs = 0, counted = 0;
+    if (count == 0) {
+        return "only changes of the scene were run";
+    }
+    if (pl_result_runtime(rows[0]->result) != NULL) {
+        return "the engine is not native: its times are not ranked";
+    }
     for (int i = 0; i < count; ++i) {
-        double found = error_of(rows[i]);
-        double cost = pl_result_row_metric(rows[i], PL_METRIC_TIME_PER_STEP) / point->dt;
-        double counts = pl_result_row_metric(rows[i], PL_METRIC_INSTRUCTIONS_PER_STEP) / point->dt;
+        const double found = error_of(rows[i]);
+        const double cost = pl_result_row_metric(rows[i], PL_METRIC_TIME_PER_STEP) / point->dt;
+        const double counts =
+            pl_result_row_metric(rows[i], PL_METRIC_INSTRUCTIONS_PER_STEP) / point->dt;
         errors += isfinite(found);
         costs += is_cost(cost);
-        if (!isfinite(found) || !is_cost(cost)) {
-            continue;
-        }
-        raw[point->sample_count] = found;
-        point->samples[point->sample_count++] =
-            (pl_sweep_sample){cost, fmax(found, pl_sweep_error_floor)};
-        if (is_cost(counts)) {
-            instructions[counted++] = counts;
+        if (isfinite(found) && is_cost(cost)) {
+            raw[point->sample_count] = found;
+            point->samples[point->sample_count++] =
+                (pl_sweep_sample){cost, fmax(found, pl_sweep_error_floor)};
+            instructions[counted] = counts;
+            counted += is_cost(counts);
         }
     }
     if (point->sample_count == 0) {
-        point->state = PL_SWEEP_UNMEASURED;
-        point->reason = what_is_missing(rows[0], errors, costs);
-        return;
+        return rows[0]->primary_error[0] == '\0' ? "the scenario has no primary error"
+               : errors == 0                     ? "the primary error has no value"
+               : costs == 0                      ? "no time was measured"
+                                                 : "no repeat has both an error and a time";
     }
     qsort(point->samples, (size_t)point->sample_count, sizeof *point->samples, by_cost);
     point->raw_error = pl_median(raw, point->sample_count);
     point->instructions = pl_median(instructions, counted);
     point->cost = median_of(point, false, 0, scratch);
     point->cost_mad = median_of(point, false, point->cost, scratch);
+    return NULL;
+}
+
+/* Raises the errors of a point to the largest of its changes. Returns the change without an error; NULL: all have
+ * one. */
+static const pl_result_row *apply_changes(const pl_result_row *const *changed, int count,
+                                          pl_sweep_point *point)
+{
+    for (int i = 0; i < count; ++i) {
+        const double found = error_of(changed[i]);
+        if (!isfinite(found)) {
+            return changed[i];
+        }
+        if (found > point->raw_error) {
+            point->raw_error = found;
+            point->change = changed[i]->change;
+        }
+        for (int k = 0; k < point->sample_count; ++k) {
+            point->samples[k].error = fmax(point->samples[k].error, found);
+        }
+    }
+    return NULL;
 }
 
 /* Fills the numbers of a point from its rows: first those of the scene itself, then those of its
@@ -156,17 +154,21 @@ static void measure(const pl_result_row *const *rows, int count, pl_sweep_point 
     point->cost = point->cost_mad = point->error = point->raw_error = point->instructions =
         (double)NAN;
     judge_outcomes(rows, count, point);
-    if (point->state == PL_SWEEP_OK && own == 0) {
-        point->state = PL_SWEEP_UNMEASURED;
-        point->reason = "only changes of the scene were run";
-    }
     if (point->state != PL_SWEEP_OK) {
         return;
     }
     point->samples = pl_heap_new((size_t)own, sizeof *point->samples);
     double *scratch = pl_heap_new(3 * (size_t)own, sizeof *scratch);
-    take_samples(rows, own, scratch, point);
-    apply_changes(rows + own, point->changes, point);
+    const pl_result_row *lacking = NULL;
+    const char *reason = take_samples(rows, own, scratch, point);
+    if (reason == NULL) {
+        lacking = apply_changes(rows + own, point->changes, point);
+    }
+    if (lacking != NULL) {
+        take_row(lacking, "the primary error has no value", point);
+    }
+    point->reason = reason != NULL ? reason : point->reason;
+    point->state = reason != NULL || lacking != NULL ? PL_SWEEP_UNMEASURED : PL_SWEEP_OK;
     if (point->state == PL_SWEEP_OK) {
         point->error = median_of(point, true, 0, scratch);
     }
@@ -270,14 +272,12 @@ static bool has_several_builds(const pl_result_table *results)
         several = strcmp(row->git, first->git) != 0 ||
                   strcmp(version, pl_result_text(first->result, PL_PROGRAM, "version")) != 0;
     }
-    for (int i = 0; i < results->configuration_count && !several; ++i) {
-        const pl_result_configuration *a = &results->configurations[i];
-        for (int k = 0; k < i && !several; ++k) {
-            const pl_result_configuration *b = &results->configurations[k];
-            const size_t length = strcspn(a->label, ",");
-            several = length == strcspn(b->label, ",") && memcmp(a->label, b->label, length) == 0 &&
-                      (strcmp(a->version, b->version) != 0 || strcmp(a->binary, b->binary) != 0);
-        }
+    /* Configurations are by label, so that those of one profile are neighbours. */
+    for (int i = 1; i < results->configuration_count && !several; ++i) {
+        const pl_result_configuration *a = &results->configurations[i - 1], *b = a + 1;
+        const size_t length = strcspn(a->label, ",");
+        several = length == strcspn(b->label, ",") && memcmp(a->label, b->label, length) == 0 &&
+                  (strcmp(a->version, b->version) != 0 || strcmp(a->binary, b->binary) != 0);
     }
     return several;
 }
@@ -391,8 +391,6 @@ void pl_sweep_gather(pl_sweep_analysis *analysis)
 {
     const pl_result_table *results = analysis->results;
     analysis->scenes = pl_heap_new((size_t)results->scene_count, sizeof *analysis->scenes);
-    analysis->run_count = results->row_count;
-    analysis->several_hosts = results->several_hosts;
     analysis->several_builds = has_several_builds(results);
     list_engines(analysis);
     for (int i = 0; i < results->scene_count; ++i) {

@@ -1,4 +1,4 @@
-#include "drawn_settings.h"
+#include "grid.h"
 
 #include "base/hash.h"
 #include "base/heap.h"

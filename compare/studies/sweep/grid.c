@@ -257,31 +257,23 @@ typedef struct grid {
     int step_count;
 } grid;
 
-/* Changes the profile. Options that were not asked for by name get the profile's defaults. */
-static void set_profile(pl_engine_choice *choice, int profile)
+/* Sets the profile that is number `place` among those named that the engine has. Options that were not asked for by
+ * name get its defaults. */
+static void set_profile(pl_engine_choice *choice, const pl_vary *vary, int place)
 {
     const pl_engine_info *engine = choice->engine;
-    const double *defaults = pl_engine_profile_values(engine, profile);
+    int name = 0;
+    while (pl_engine_profile_index(engine, vary->names[name]) < 0 || place-- > 0) {
+        ++name;
+    }
+    choice->profile = pl_engine_profile_index(engine, vary->names[name]);
     for (int i = 0; i < engine->option_count; ++i) {
         char asked[PL_NAME_SIZE + 3];
         snprintf(asked, sizeof asked, ",%s=", engine->options[i].name);
         if (strstr(choice->spec, asked) == NULL) {
-            choice->values[i] = defaults[i];
+            choice->values[i] = pl_engine_profile_values(engine, choice->profile)[i];
         }
     }
-    choice->profile = profile;
-}
-
-/* The profile that is number `place` among those named that the engine has. */
-static int named_profile(const pl_engine_info *engine, const pl_vary *vary, int place)
-{
-    for (int i = 0; i < vary->count; ++i) {
-        const int profile = pl_engine_profile_index(engine, vary->names[i]);
-        if (profile >= 0 && place-- == 0) {
-            return profile;
-        }
-    }
-    return 0;
 }
 
 static pl_status set_option(pl_engine_choice *choice, const char *name, double value,
@@ -311,7 +303,7 @@ static pl_status vary_choice(const pl_grid_def *def, const grid_keys *keys, long
         const int k = i % keys->count, place = digit(keys, combination, k);
         const pl_vary *vary = &def->varied[keys->items[k]];
         if (i < keys->count && vary->names != NULL) {
-            set_profile(choice, named_profile(choice->engine, vary, place));
+            set_profile(choice, vary, place);
         } else if (i >= keys->count && vary->names == NULL) {
             status = set_option(choice, vary->key, vary->numbers[place], error);
         }

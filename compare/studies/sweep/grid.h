@@ -7,9 +7,9 @@
 #ifndef PLUMB_SWEEP_GRID_H
 #define PLUMB_SWEEP_GRID_H
 
-#include "drawn_settings.h"
 #include "runner/plan.h"
 #include "shard.h"
+#include "studies/tunable.h"
 #include "studies/vary.h"
 
 enum {
@@ -23,6 +23,40 @@ enum {
 /* The time steps of the usual sweep. Coarse ones first: what takes too long there need not be tried
  * at the others. */
 #define PL_SWEEP_STEPS "dt=1/60,1/120,1/240,1/480,1/960"
+
+/* ---- Drawn settings ---- */
+
+/* The settings that the usual sweep tries of each engine, which take turns: spread over its profiles, its tunable
+ * options and the time step by pl_design_place. Of 2^k settings each has a stratum of its own, a 2^k-th, of every
+ * range. */
+typedef struct pl_drawn_settings {
+    pl_setting *items; /* (count), owned */
+    int count;
+} pl_drawn_settings;
+
+/* The engines, steps and number of settings to draw. */
+typedef struct pl_draw_def {
+    const pl_plan *plan; /* its configurations name the engines */
+    const double *steps; /* (step_count): s, those that a setting may have */
+    int step_count;
+    int settings; /* of each engine */
+    /* Each engine with all the profiles that it has, and not only those of the plan. */
+    bool all_profiles;
+} pl_draw_def;
+
+/* Draws the settings, the same on every machine: values are rounded to three digits, and an option
+ * moves through its range in an order of its own, which other options and engines do not change. A
+ * configuration with a label is an engine for itself. Options without a tune range, and those that
+ * the user set, keep their values. The caller frees the settings. */
+pl_drawn_settings pl_draw_settings(const pl_draw_def *def);
+
+/* The configuration of a plan that a drawn setting is of: the first of its engine, or that of its label. */
+const pl_configuration *pl_drawn_from(const pl_plan *plan, const pl_setting *setting);
+
+/* Frees the settings. */
+void pl_drawn_settings_free(pl_drawn_settings *drawn);
+
+/* ---- The grid ---- */
 
 /* The grid of a sweep: cases and engines, times all combinations of the varied keys. */
 typedef struct pl_grid_def {

@@ -18,100 +18,21 @@
 /* With so many repeats their own scatter is used. */
 enum { ENOUGH = 10 };
 
-/* A scene's replicates. */
-typedef struct resampling {
-    const pl_sweep_point *points; /* (count) */
-    int count;
-    double noise;             /* of the scene; 0: none is known */
-    bool *needed;             /* (count): may be on a front in some replicate */
-    pl_random *random;        /* (count) */
-    pl_sweep_sample *medians; /* (count): of this replicate */
-    int *order;               /* (count) */
-    pl_sweep_sample *front;   /* (count) */
-    double *scratch;          /* two numbers for each repeat of the point with most */
-} resampling;
-
-/* The standard deviation of ln(cost) by which a drawn repeat of the point is moved. */
-static double noise_of(const resampling *d, const pl_sweep_point *point)
+/* Draws the repeats of a point again, and returns their medians. `noise` is that of the scene; `scratch` has two numbers
+ * for each repeat. */
+static pl_sweep_sample resample(const pl_sweep_point *point, double noise, pl_random *random,
+                                double *scratch)
 {
-    return point->sample_count < ENOUGH ? d->noise : 0;
-}
-
-/* Whether q is ahead of p in every replicate, so that p is on no front. */
-static bool always_ahead(const resampling *d, const pl_sweep_point *q, const pl_sweep_point *p)
-{
-    const double most = PL_RANDOM_MOST_NORMAL * (noise_of(d, q) + noise_of(d, p));
-    double largest = 0, least = (double)INFINITY; /* errors of q and of p */
-    if (q->state != PL_SWEEP_OK ||
-        q->samples[q->sample_count - 1].cost * exp(most) >= p->samples[0].cost) {
-        return false;
+    const int repeats = point->sample_count;
+    const double by = repeats < ENOUGH ? noise : 0; /* standard deviation of ln(cost) */
+    double *costs = scratch, *errors = scratch + repeats;
+    for (int k = 0; k < repeats; ++k) {
+        const int chosen = (int)(pl_random_unit(random) * repeats);
+        costs[k] = point->samples[chosen].cost;
+        costs[k] *= by > 0 ? exp(by * pl_random_normal(random)) : 1;
+        errors[k] = point->samples[chosen].error;
     }
-    for (int i = 0; i < q->sample_count; ++i) {
-        largest = fmax(largest, q->samples[i].error);
-    }
-    for (int i = 0; i < p->sample_count; ++i) {
-        least = fmin(least, p->samples[i].error);
-    }
-    return largest <= least;
-}
-
-/* Whether the point is in every front's choice that p is in: of their profile, and as shipped if p
- * is. */
-static bool competes(const pl_sweep_point *q, const pl_sweep_point *p)
-{
-    const int shipped = p->engines[PL_SWEEP_SHIPPED];
-    return q->engines[PL_SWEEP_PROFILE] == p->engines[PL_SWEEP_PROFILE] &&
-           (shipped < 0 || q->engines[PL_SWEEP_SHIPPED] == shipped);
-}
-
-/* Marks the points that can be on the front of a profile, and so on that of its engine, or on that of
- * the engine as shipped. */
-static void mark_needed(resampling *d)
-{
-    for (int i = 0; i < d->count; ++i) {
-        const pl_sweep_point *point = &d->points[i];
-        d->needed[i] = point->state == PL_SWEEP_OK;
-        for (int k = 0; k < d->count && d->needed[i]; ++k) {
-            d->needed[i] =
-                !competes(&d->points[k], point) || !always_ahead(d, &d->points[k], point);
-        }
-    }
-}
-
-static void resample(resampling *d)
-{
-    for (int i = 0; i < d->count; ++i) {
-        const pl_sweep_point *point = &d->points[i];
-        const int repeats = point->sample_count;
-        double *costs = d->scratch, *errors = d->scratch + repeats;
-        if (!d->needed[i]) {
-            continue;
-        }
-        const double by = noise_of(d, point);
-        for (int k = 0; k < repeats; ++k) {
-            int chosen = (int)(pl_random_unit(&d->random[i]) * repeats);
-            costs[k] = point->samples[chosen].cost;
-            costs[k] *= by > 0 ? exp(by * pl_random_normal(&d->random[i])) : 1;
-            errors[k] = point->samples[chosen].error;
-        }
-        d->medians[i].cost = pl_median(costs, repeats);
-        d->medians[i].error = pl_median(errors, repeats);
-    }
-}
-
-static void read_front(resampling *d, int engine, pl_front_reading *reading)
-{
-    int count = 0;
-    for (int i = 0; i < d->count; ++i) {
-        if (d->needed[i] && pl_sweep_point_is_of(&d->points[i], engine)) {
-            d->order[count++] = i;
-        }
-    }
-    count = pl_front_find(d->medians, d->order, count);
-    for (int i = 0; i < count; ++i) {
-        d->front[i] = d->medians[d->order[i]];
-    }
-    pl_front_read(d->front, count, reading);
+    return (pl_sweep_sample){pl_median(costs, repeats), pl_median(errors, repeats)};
 }
 
 /* Fills readings (engine_count x PL_BOOTSTRAP_REPLICATES, engine by engine) for the engines that
@@ -119,37 +40,28 @@ static void read_front(resampling *d, int engine, pl_front_reading *reading)
 static void bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                       pl_front_reading *readings)
 {
-    resampling d = {.points = analysis->points + scene->first,
-                    .count = scene->count,
-                    .noise = isnan(scene->noise) ? 0 : scene->noise};
-    const size_t count = (size_t)d.count;
+    const double noise = isnan(scene->noise) ? 0 : scene->noise;
+    pl_random *random = pl_heap_new((size_t)scene->count, sizeof *random);
+    pl_front_choice of = pl_front_begin(analysis, scene);
     int most = 1;
-    d.needed = pl_heap_new(count, sizeof *d.needed);
-    d.random = pl_heap_new(count, sizeof *d.random);
-    d.medians = pl_heap_new(count, sizeof *d.medians);
-    d.order = pl_heap_new(count, sizeof *d.order);
-    d.front = pl_heap_new(count, sizeof *d.front);
-    mark_needed(&d);
-    for (int i = 0; i < d.count; ++i) {
-        d.random[i].state = d.points[i].hash;
-        most = d.points[i].sample_count > most ? d.points[i].sample_count : most;
+    for (int i = 0; i < of.count; ++i) {
+        random[i].state = of.points[i].hash;
+        most = of.points[i].sample_count > most ? of.points[i].sample_count : most;
     }
-    d.scratch = pl_heap_new(2 * (size_t)most, sizeof *d.scratch);
-    for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
-        resample(&d);
+    double *scratch = pl_heap_new(2 * (size_t)most, sizeof *scratch);
+    for (size_t replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
+        for (int i = 0; i < of.count; ++i) {
+            of.samples[i] = resample(&of.points[i], noise, &random[i], scratch);
+        }
         for (int e = 0; e < analysis->engine_count; ++e) {
             if (scene->curves[e].ok > 0) {
-                read_front(&d, e,
-                           &readings[(size_t)e * PL_BOOTSTRAP_REPLICATES + (size_t)replicate]);
+                pl_front_of(&of, e, &readings[(size_t)e * PL_BOOTSTRAP_REPLICATES + replicate]);
             }
         }
     }
-    free(d.needed);
-    free(d.random);
-    free(d.medians);
-    free(d.order);
-    free(d.front);
-    free(d.scratch);
+    free(random);
+    pl_front_end(&of);
+    free(scratch);
 }
 
 void pl_bootstrap_interval(double *values, int count, double *low, double *high)
@@ -174,7 +86,6 @@ void pl_bootstrap_interval(double *values, int count, double *low, double *high)
 
 /* Scratch space of the comparisons. */
 typedef struct workspace {
-    pl_front_reading *readings;   /* (engine_count): of the scene as measured */
     pl_front_reading *replicates; /* (engine_count x PL_BOOTSTRAP_REPLICATES): resampled */
     double *values;               /* (PL_BOOTSTRAP_REPLICATES) */
     double *logs; /* (pair_count x PL_SWEEP_LEVELS x PL_BOOTSTRAP_REPLICATES): sums over scenes */
@@ -205,16 +116,17 @@ static double ratio_of(const pl_front_reading *first, const pl_front_reading *se
     return second->at[place] / first->at[place];
 }
 
-static pl_sweep_ratio with_interval(const workspace *a, const pl_sweep_pair *pair, int place,
-                                    bool resampled)
+static pl_sweep_ratio with_interval(const workspace *a, const pl_sweep_scene *scene,
+                                    const pl_sweep_pair *pair, int place)
 {
-    pl_sweep_ratio ratio = {ratio_of(&a->readings[pair->first], &a->readings[pair->second], place),
-                            (double)NAN, (double)NAN};
-    if (!resampled || isnan(ratio.value)) {
-        return ratio;
-    }
     const pl_front_reading *first = replicates_of(a, pair->first);
     const pl_front_reading *second = replicates_of(a, pair->second);
+    pl_sweep_ratio ratio = {
+        ratio_of(&scene->curves[pair->first].reading, &scene->curves[pair->second].reading, place),
+        (double)NAN, (double)NAN};
+    if (isnan(scene->noise) || isnan(ratio.value)) {
+        return ratio;
+    }
     for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
         a->values[replicate] = ratio_of(&first[replicate], &second[replicate], place);
     }
@@ -255,13 +167,12 @@ static void compare_pair(const workspace *a, pl_sweep_analysis *analysis,
     const pl_sweep_curve *first = &scene->curves[pair->first];
     const pl_sweep_curve *second = &scene->curves[pair->second];
     pl_pairwise_comparison *comparison = &scene->comparisons[index];
-    comparison->run = scene->primary_error[0] != '\0' && pl_sweep_curve_was_run(first) &&
-                      pl_sweep_curve_was_run(second);
+    comparison->run = scene->primary_error[0] != '\0' && first->tried > 0 && second->tried > 0;
     if (!comparison->run) {
         return;
     }
     for (int i = 0; i < PL_READINGS; ++i) {
-        comparison->ratios[i] = with_interval(a, pair, i, !isnan(scene->noise));
+        comparison->ratios[i] = with_interval(a, scene, pair, i);
     }
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
         comparison->at_error[k] = attained_by(first->cheapest[k], second->cheapest[k]);
@@ -274,19 +185,6 @@ static void compare_pair(const workspace *a, pl_sweep_analysis *analysis,
         comparison->at_cost[k] = attained_by(first->most_exact[k], second->most_exact[k]);
     }
     add_to_means(a, analysis, index, comparison);
-}
-
-static void read_as_measured(const workspace *a, const pl_sweep_analysis *analysis,
-                             const pl_sweep_scene *scene, pl_sweep_sample *front)
-{
-    for (int e = 0; e < analysis->engine_count; ++e) {
-        const pl_sweep_curve *curve = &scene->curves[e];
-        for (int i = 0; i < curve->front_count; ++i) {
-            const pl_sweep_point *point = &analysis->points[curve->front[i]];
-            front[i] = (pl_sweep_sample){point->cost, point->error};
-        }
-        pl_front_read(front, curve->front_count, &a->readings[e]);
-    }
 }
 
 static void finish_means(const workspace *a, pl_sweep_analysis *analysis)
@@ -309,29 +207,25 @@ static void finish_means(const workspace *a, pl_sweep_analysis *analysis)
     }
 }
 
-/* The engine that a point of this one as shipped belongs to; -1: none was run. */
-static int shipped_of(const pl_sweep_analysis *analysis, int whole)
+/* The engine with all its profiles that one as shipped is of. */
+static int whole_of(const pl_sweep_analysis *analysis, int shipped)
 {
-    for (int i = 0; i < analysis->point_count; ++i) {
-        const pl_sweep_point *point = &analysis->points[i];
-        if (point->engines[PL_SWEEP_WHOLE] == whole && point->engines[PL_SWEEP_SHIPPED] >= 0) {
-            return point->engines[PL_SWEEP_SHIPPED];
-        }
+    const pl_sweep_point *point = analysis->points;
+    while (point->engines[PL_SWEEP_SHIPPED] != shipped) {
+        ++point;
     }
-    return -1;
+    return point->engines[PL_SWEEP_WHOLE];
 }
 
-/* Finds the pair of the same two engines as shipped. */
-static void link_shipped(const pl_sweep_analysis *analysis, pl_sweep_pair *pair)
+/* Gives a pair as shipped to the pair of the same whole engines. */
+static void link_shipped(const pl_sweep_analysis *analysis, int shipped)
 {
-    if (analysis->engines[pair->first].kind != PL_SWEEP_WHOLE) {
-        return;
-    }
-    const int first = shipped_of(analysis, pair->first);
-    const int second = shipped_of(analysis, pair->second);
-    for (int i = 0; i < analysis->pair_count && first >= 0 && second >= 0; ++i) {
-        if (analysis->pairs[i].first == first && analysis->pairs[i].second == second) {
-            pair->shipped = i;
+    const pl_sweep_pair *own = &analysis->pairs[shipped];
+    const int first = whole_of(analysis, own->first), second = whole_of(analysis, own->second);
+    for (int i = 0; i < analysis->pair_count; ++i) {
+        pl_sweep_pair *pair = &analysis->pairs[i];
+        if (pair->first == first && pair->second == second && pair->shipped < 0) {
+            pair->shipped = shipped;
         }
     }
 }
@@ -348,7 +242,9 @@ static void make_pairs(pl_sweep_analysis *analysis)
         }
     }
     for (int i = 0; i < analysis->pair_count; ++i) {
-        link_shipped(analysis, &analysis->pairs[i]);
+        if (analysis->engines[analysis->pairs[i].first].kind == PL_SWEEP_SHIPPED) {
+            link_shipped(analysis, i);
+        }
     }
 }
 
@@ -357,24 +253,19 @@ void pl_compare_pairwise(pl_sweep_analysis *analysis)
     make_pairs(analysis);
     const size_t engines = (size_t)analysis->engine_count;
     const size_t pairs = (size_t)analysis->pair_count;
-    pl_sweep_sample *front = pl_heap_new((size_t)analysis->point_count, sizeof *front);
     workspace a = {
-        .readings = pl_heap_new(engines, sizeof *a.readings),
         .replicates = pl_heap_new(engines * PL_BOOTSTRAP_REPLICATES, sizeof *a.replicates),
         .values = pl_heap_new(PL_BOOTSTRAP_REPLICATES, sizeof *a.values),
         .logs = pl_heap_new(pairs * PL_SWEEP_LEVELS * PL_BOOTSTRAP_REPLICATES, sizeof *a.logs)};
     for (int p = 0; p < analysis->scene_count; ++p) {
         pl_sweep_scene *scene = &analysis->scenes[p];
         scene->comparisons = pl_heap_new(pairs, sizeof *scene->comparisons);
-        read_as_measured(&a, analysis, scene, front);
         bootstrap(analysis, scene, a.replicates);
         for (int i = 0; i < analysis->pair_count; ++i) {
             compare_pair(&a, analysis, scene, i);
         }
     }
     finish_means(&a, analysis);
-    free(front);
-    free(a.readings);
     free(a.replicates);
     free(a.values);
     free(a.logs);

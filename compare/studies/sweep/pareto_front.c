@@ -1,6 +1,8 @@
 /* Levels, and Pareto fronts of cost and error. */
 #include "analysis_parts.h"
 
+#include "base/heap.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -15,16 +17,6 @@ bool pl_sweep_point_is_of(const pl_sweep_point *point, int engine)
 {
     return point->engines[PL_SWEEP_WHOLE] == engine || point->engines[PL_SWEEP_PROFILE] == engine ||
            point->engines[PL_SWEEP_SHIPPED] == engine;
-}
-
-int pl_sweep_curve_settings(const pl_sweep_curve *curve)
-{
-    return curve->ok + curve->failed + curve->unmeasured;
-}
-
-bool pl_sweep_curve_was_run(const pl_sweep_curve *curve)
-{
-    return pl_sweep_curve_settings(curve) > 0;
 }
 
 /* By cost, then error, then index. */
@@ -103,7 +95,8 @@ double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double co
     return between(cost, front[i].cost, front[i].error, front[i + 1].cost, front[i + 1].error);
 }
 
-void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *reading)
+/* Reads a front at all levels and times of a sweep. */
+static void read_front(const pl_sweep_sample *front, int count, pl_front_reading *reading)
 {
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
         const int i = pl_front_cheapest(front, count, pl_sweep_levels[k]);
@@ -117,4 +110,38 @@ void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *re
         reading->at[PL_EXACTNESS_BETWEEN + k] =
             pl_front_error_at_cost(front, count, pl_sweep_times[k]);
     }
+}
+
+pl_front_choice pl_front_begin(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene)
+{
+    const size_t count = (size_t)scene->count;
+    return (pl_front_choice){.points = analysis->points + scene->first,
+                             .count = scene->count,
+                             .samples = pl_heap_new(count, sizeof(pl_sweep_sample)),
+                             .order = pl_heap_new(count, sizeof(int)),
+                             .front = pl_heap_new(count, sizeof(pl_sweep_sample))};
+}
+
+void pl_front_end(pl_front_choice *choice)
+{
+    free(choice->samples);
+    free(choice->order);
+    free(choice->front);
+}
+
+int pl_front_of(const pl_front_choice *choice, int engine, pl_front_reading *reading)
+{
+    int count = 0;
+    for (int i = 0; i < choice->count; ++i) {
+        const pl_sweep_point *point = &choice->points[i];
+        if (point->state == PL_SWEEP_OK && pl_sweep_point_is_of(point, engine)) {
+            choice->order[count++] = i;
+        }
+    }
+    count = pl_front_find(choice->samples, choice->order, count);
+    for (int i = 0; i < count; ++i) {
+        choice->front[i] = choice->samples[choice->order[i]];
+    }
+    read_front(choice->front, count, reading);
+    return count;
 }

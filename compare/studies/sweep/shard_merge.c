@@ -1,5 +1,5 @@
 /* Merges files and folders of results, and compares runs that were made twice. */
-#include "shard_merge.h"
+#include "shard.h"
 
 #include "base/folding.h"
 #include "base/heap.h"
@@ -83,7 +83,7 @@ static void judge_double(pl_merge *merge, const json_t *first, const json_t *sec
     }
 }
 
-static void add_results(pl_merge *merge, const char *path, json_t *results, FILE *warnings)
+void pl_merge_add_results(pl_merge *merge, const char *path, json_t *results, FILE *warnings)
 {
     size_t index;
     json_t *result, *kept = json_array();
@@ -106,18 +106,13 @@ static void add_results(pl_merge *merge, const char *path, json_t *results, FILE
     pl_push(&merge->sources, &merge->source_count, &source, sizeof source);
 }
 
-void pl_merge_add_results(pl_merge *merge, const char *path, json_t *results)
-{
-    add_results(merge, path, results, NULL);
-}
-
 static pl_status add_file(pl_merge *merge, const char *path, FILE *warnings, pl_error *error)
 {
     json_t *read = NULL;
     pl_status status = pl_results_read(path, &read, NULL, error);
     if (status == PL_OK) {
         merge->files += 1;
-        add_results(merge, path, read, warnings);
+        pl_merge_add_results(merge, path, read, warnings);
         json_decref(read);
     }
     return status;

@@ -33,6 +33,10 @@ static const char costs[] =
     ">1e-7=cheapest_at_level.6.cost cost|>1e-8=cheapest_at_level.7.cost cost|"
     ">least error=front.-1.error error|>settings=settings integer|>failed=failed integer|"
     ">not measured=unmeasured integer";
+static const char shares[] =
+    "Engine=engine.name|>the fastest=shares.0 percent|>within 1.5 of it=shares.1 percent|"
+    ">2=shares.2 percent|>3=shares.3 percent|>5=shares.4 percent|>10=shares.5 percent|"
+    ">100=shares.6 percent|>at any cost=shares.7 percent";
 static const char orders[] =
     "Scene=scene.name|Engine=point.label|Finding=finding|>Order=order number|>From=dt_high step|"
     ">To=dt_low step|>Used=used integer|>Run=total integer|>Off fit=deviation number";
@@ -129,6 +133,9 @@ static void add_cell(pl_table *table, const json_t *row, const json_t *value, co
     case 'i': /* integer */
         snprintf(text, sizeof text, "%.0f", number);
         break;
+    case 'p': /* percent */
+        snprintf(text, sizeof text, "%.0f %%", 100 * number);
+        break;
     default: /* number, or cost, s */
         pl_format_number(number, format[0] == 'c' ? "s" : "1", text);
         if (format[0] == 'c' && isnan(number) && isfinite(tried)) {
@@ -172,18 +179,42 @@ static void add_row(pl_table *table, const char *columns, const json_t *sweep, c
     }
 }
 
-/* The rows of an array. */
-static pl_table table_of(const json_t *sweep, const char *array, const char *columns)
+/* Whether a row comes first, 0, later, 1, or not at all. */
+typedef int ranking(const json_t *sweep, const json_t *row);
+
+/* The rows of an array by rank; NULL: all come first. Text shows the first, at most TEXT_ROWS and at least one. */
+static pl_table table_of(const json_t *sweep, const json_t *array, const char *columns,
+                         ranking *rank)
 {
     pl_table table = begin_table(columns);
     size_t index;
     const json_t *row;
-    json_array_foreach(json_object_get(sweep, array), index, row)
-    {
-        add_row(&table, columns, sweep, row);
+    for (int i = 0; i < 2; ++i) {
+        json_array_foreach(array, index, row)
+        {
+            if ((rank == NULL ? 0 : rank(sweep, row)) == i) {
+                add_row(&table, columns, sweep, row);
+            }
+        }
+        const int rows = pl_table_rows(&table);
+        table.last = i == 1 ? table.last : rows == 0 ? 1 : rows < TEXT_ROWS ? rows : TEXT_ROWS;
     }
-    table.last = TEXT_ROWS;
     return table;
+}
+
+/* Curves: whole engines, then profiles. */
+static int rank_curve(const json_t *sweep, const json_t *row)
+{
+    return json_is_true(value_at(sweep, row, "engine.as_shipped"))     ? 2
+           : json_is_true(value_at(sweep, row, "engine.all_profiles")) ? 0
+                                                                       : 1;
+}
+
+/* Points: those without numbers come first. */
+static int rank_point(const json_t *sweep, const json_t *row)
+{
+    (void)sweep;
+    return strcmp(pl_json_get_text(row, "state"), "ok") == 0;
 }
 
 /* Adds the pairs of `whole`, of a scene or of all, at a level: those that one of the two reached. */
@@ -224,71 +255,7 @@ static pl_table pairs_table(const json_t *sweep, const json_t *wholes, const cha
     return table;
 }
 
-/* What errors cost: whole engines, of which text shows all, then profiles. */
-static pl_table costs_table(const json_t *sweep, const json_t *scene)
-{
-    pl_table table = begin_table(costs);
-    size_t index;
-    const json_t *curve;
-    for (int i = 0; i < 2; ++i) {
-        json_array_foreach(json_object_get(scene, "curves"), index, curve)
-        {
-            if (json_is_true(value_at(sweep, curve, "engine.all_profiles")) == (i == 0) &&
-                !json_is_true(value_at(sweep, curve, "engine.as_shipped"))) {
-                add_row(&table, costs, sweep, curve);
-            }
-        }
-        table.last = i == 0 ? pl_table_rows(&table) : table.last;
-    }
-    return table;
-}
-
-/* Points without numbers first; text has none of the others but one. */
-static pl_table points_table(const json_t *sweep)
-{
-    pl_table table = begin_table(points);
-    size_t index;
-    const json_t *point;
-    for (int i = 0; i < 2; ++i) {
-        json_array_foreach(json_object_get(sweep, "points"), index, point)
-        {
-            if ((strcmp(pl_json_get_text(point, "state"), "ok") == 0) == (i == 1)) {
-                add_row(&table, points, sweep, point);
-            }
-        }
-        const int rows = pl_table_rows(&table);
-        table.last = i == 1 ? table.last : rows == 0 ? 1 : rows < TEXT_ROWS ? rows : TEXT_ROWS;
-    }
-    return table;
-}
-
 /* ---- Performance profiles ---- */
-
-/* The share of scenes that each engine solves within factors of the cost of the fastest. */
-static pl_table shares_table(const json_t *sweep, const json_t *profile)
-{
-    static const double within[] = {1, 1.5, 2, 3, 5, 10, 100, (double)INFINITY};
-    const double scenes = number_of(json_object_get(profile, "scenes"));
-    pl_table table = {0};
-    size_t index;
-    const json_t *engine;
-    pl_table_columns(&table,
-                     "Engine|>the fastest|>within 1.5 of it|>2|>3|>5|>10|>100|>at any cost");
-    json_array_foreach(scenes > 0 ? json_object_get(profile, "engines") : NULL, index, engine)
-    {
-        const json_t *ratios = json_object_get(engine, "ratios");
-        size_t count = 0;
-        add_cell(&table, engine, value_at(sweep, engine, "engine.name"), "text");
-        for (int k = 0; k < 8; ++k) {
-            while (count < json_array_size(ratios) &&
-                   number_of(json_array_get(ratios, count)) <= within[k]) {
-                ++count;
-            }
-            pl_table_format_cell(&table, "%.0f %%", 100 * (double)count / scenes);
-        }
-    }
-    return table;
-}
 
 /* Adds an engine to a plot, with numbers that the plot takes. */
 static void add_line(json_t *plot, const json_t *sweep, const json_t *row, json_t *numbers)
@@ -365,7 +332,7 @@ static void add_scene(const json_t *sweep, const json_t *scene, size_t number,
     const char *unit = pl_json_get_text(scene, "unit"),
                *error = pl_json_get_text(scene, "primary_error");
     if (error[0] != '\0') {
-        pl_table table = costs_table(sweep, scene);
+        pl_table table = table_of(sweep, json_object_get(scene, "curves"), costs, rank_curve);
         pl_document_heading(document, "%s: least CPU time for a simulated second, by %s%s%s",
                             pl_json_get_text(scene, "name"), error, unit[0] == '\0' ? "" : ", ",
                             unit);
@@ -403,7 +370,7 @@ static void fill_document(const json_t *sweep, pl_document *document)
         }
     }
     char *heading = pl_heap_format("Where %s loses", pl_json_get_text(sweep, "home"));
-    add_section(document, heading, table_of(sweep, "losses", losses));
+    add_section(document, heading, table_of(sweep, json_object_get(sweep, "losses"), losses, NULL));
     add_section(document, "Speed of the first over the second at the same error, over all scenes",
                 pairs_table(sweep, all, means));
     add_section(document, "Speed of the first over the second at the same error, scene by scene",
@@ -412,37 +379,24 @@ static void fill_document(const json_t *sweep, pl_document *document)
     {
         add_scene(sweep, item, index, document);
     }
-    add_section(document, "Scenes solved to 1e-3, within a factor of the fastest",
-                shares_table(sweep, json_array_get(profiles, PL_SWEEP_MATCHED_LEVEL)));
+    item = json_array_get(profiles, PL_SWEEP_MATCHED_LEVEL);
+    if (number_of(json_object_get(item, "scenes")) > 0) {
+        add_section(document, "Scenes solved to 1e-3, within a factor of the fastest",
+                    table_of(sweep, json_object_get(item, "engines"), shares, NULL));
+    }
     json_array_foreach(profiles, index, item)
     {
         if (is_true(item, "all_profiles")) {
             add_shares_plot(sweep, item, document);
         }
     }
-    add_section(document, "Order of convergence", table_of(sweep, "orders", orders));
-    add_section(document, "Points, those without numbers first", points_table(sweep));
+    add_section(document, "Order of convergence",
+                table_of(sweep, json_object_get(sweep, "orders"), orders, NULL));
+    add_section(document, "Points, those without numbers first",
+                table_of(sweep, json_object_get(sweep, "points"), points, rank_point));
     add_method(sweep, document);
     json_decref(all);
     free(heading);
-}
-
-bool pl_sweep_has_settings(const json_t *sweep)
-{
-    size_t index, i;
-    const json_t *scene, *curve;
-    json_array_foreach(json_object_get(sweep, "scenes"), index, scene)
-    {
-        json_array_foreach(json_object_get(scene, "curves"), i, curve)
-        {
-            if (json_is_false(value_at(sweep, curve, "engine.all_profiles")) &&
-                json_is_false(value_at(sweep, curve, "engine.as_shipped")) &&
-                number_of(json_object_get(curve, "settings")) > 1) {
-                return true;
-            }
-        }
-    }
-    return false;
 }
 
 const pl_study pl_sweep_study = {.name = "sweep", .kind = "sweep", .document = fill_document};
