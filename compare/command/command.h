@@ -67,12 +67,6 @@ enum { PL_COMMON_OPTIONS = 3 };
 /* --help, --usage and --version, which every command has. Ends with {0}. */
 extern const pl_option pl_common_options[PL_COMMON_OPTIONS + 1];
 
-/* An option with its help in a command. */
-typedef struct pl_listed_option {
-    const pl_option *option;
-    const char *help;
-} pl_listed_option;
-
 enum { PL_SHARED_OPTIONS = 7 };
 
 /* How a command was called. */
@@ -82,6 +76,7 @@ typedef struct pl_call {
     char **argv;
     int program_argc; /* of the program */
     char **program_argv;
+    pl_error *error; /* for functions whose status pl_call_check gets */
 } pl_call;
 
 /* A command. The struct that its options are parsed into begins with a pl_request (request.h),
@@ -102,12 +97,13 @@ typedef struct pl_command {
 
 enum { PL_MOST_OPTIONS = 64 };
 
-/* Lists the options of a command, its own first and the common ones last. Returns their number. */
-int pl_command_options(const pl_command *command, pl_listed_option options[PL_MOST_OPTIONS]);
+/* Lists the options of a command, its own first and the common ones last, with their help in this command. Returns
+ * their number. */
+int pl_command_options(const pl_command *command, pl_option options[PL_MOST_OPTIONS]);
 
 /* The only one of `count` options that begins with the first `length` characters of `name`, or is `name`, as getopt
  * finds it. -1: there is none; -2: several. */
-int pl_option_find(const pl_listed_option *options, int count, const char *name, size_t length);
+int pl_option_find(const pl_option *options, int count, const char *name, size_t length);
 
 /* Parses the command line into the command's options, which hold their defaults before. Ends the
  * program on bad usage (exit 2, with a suggestion for an unknown option), --help and --version. */
@@ -116,13 +112,12 @@ void pl_call_parse(const pl_call *call, void *options);
 /* Reports an error, and returns its exit code. */
 int pl_call_fail(const pl_call *call, const pl_error *error);
 
-/* Ends the program as pl_call_end does, unless the status is PL_OK and no signal came. Where results of
- * pl_request_open_store are open, it also says how to go on. */
-void pl_call_check_end(const pl_call *call, pl_status status, const pl_error *error,
-                       int signal_number);
+/* Ends the program as pl_call_end does, with call->error, unless the status is PL_OK and no signal came. Where results
+ * of pl_request_open_store are open, it also says how to go on. */
+void pl_call_check_end(const pl_call *call, pl_status status, int signal_number);
 
 /* The same where no signal is waited for. */
-void pl_call_check(const pl_call *call, pl_status status, const pl_error *error);
+void pl_call_check(const pl_call *call, pl_status status);
 
 /* Reports that there is nothing to do, and why. Returns PL_EXIT_NOTHING. */
 int pl_call_nothing(const pl_call *call, const char *why);

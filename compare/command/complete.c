@@ -17,7 +17,7 @@ typedef struct completion {
     const char *word;          /* at the cursor */
     size_t lead;               /* bytes of the word before what is completed: "--engine=" */
     const pl_command *command; /* NULL: the word is the command */
-    pl_listed_option options[PL_MOST_OPTIONS]; /* (option_count) of the command */
+    pl_option options[PL_MOST_OPTIONS]; /* (option_count) of the command */
     int option_count;
     pl_texts arguments; /* of the command, before the word */
     bool offers;        /* a candidate has been printed */
@@ -287,16 +287,15 @@ static const pl_option *option_of(const completion *c, const char *word, size_t 
         found = pl_option_find(c->options, c->option_count, word + 2, length - 2);
     }
     for (int i = 0; i < c->option_count && length == 2; ++i) {
-        found = c->options[i].option->letter == word[1] ? i : found;
+        found = c->options[i].letter == word[1] ? i : found;
     }
-    return found < 0 || c->options[found].option->argument == NULL ? NULL
-                                                                   : c->options[found].option;
+    return found < 0 || c->options[found].argument == NULL ? NULL : &c->options[found];
 }
 
 static void offer_options(completion *c)
 {
     for (int i = 0; i < c->option_count; ++i) {
-        offer(c, "--", c->options[i].option->name, c->options[i].help);
+        offer(c, "--", c->options[i].name, c->options[i].help);
     }
 }
 

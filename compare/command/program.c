@@ -109,8 +109,10 @@ static int run_command(const pl_command *command, pl_call call)
 {
     char name[64];
     snprintf(name, sizeof name, "plumb %s", command->name);
+    pl_error error = {.message = ""};
     call.command = command;
     call.argv[0] = name;
+    call.error = &error;
     return command->run(&call);
 }
 
