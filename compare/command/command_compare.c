@@ -103,8 +103,8 @@ static void make_runs(const pl_call *call, const options *o, pl_execution_def ex
     pl_call_check_end(call, status, signal_number);
 }
 
-/* Makes the converged references of scene files that expect nothing, and writes reference.json. Returns their outcome;
- * NULL: there is none, and that of an earlier comparison does not stay next to the results of this one. */
+/* Makes the converged references of scene files that expect nothing, and writes reference.json. Returns their outcome,
+ * or NULL; the outcome of an earlier comparison then does not stay next to the results of this one. */
 static json_t *make_references(const pl_call *call, const options *o, pl_execution_def execution,
                                const char *folder, const json_t *before)
 {

@@ -50,7 +50,7 @@ static const file PROCESS_FILES[] = {
     {"README.md", pl_process_README_md},
 };
 
-/* What a folder is made of, and what is said about it before and after its path. */
+/* The files of a folder, and the text that is printed before and after its path. */
 typedef struct engine_template {
     const file *files; /* (file_count) */
     int file_count;
