@@ -168,6 +168,26 @@ const pl_study *const *pl_studies(int *count);
 /* The study with conclusions plumb.KIND/1; NULL: none. */
 const pl_study *pl_study_find(const char *kind);
 
+/* ---- Parts of single commands ---- */
+
+/* An array of the engines of this build, or of those of the SPECs after the first of `names`: a new reference. An
+ * engine that could not be asked has the key "fault". Ends the program where a SPEC or a file of profiles is wrong. */
+json_t *pl_engine_list(const pl_call *call, const pl_texts *names);
+
+/* Prints an item of that array: what the engine is, its profiles with the values that differ from
+ * the first one's and where they come from, its tuned profiles, and its options. */
+void pl_engine_list_print(const json_t *item, FILE *out);
+
+/* Prints a parameter of a scenario or an option of an engine: its help, unit, default and range, and `more`. */
+void pl_list_print_number(const json_t *item, const char *more, FILE *out);
+
+/* The machine as a JSON object: the processor's features and settings, the clock that times steps, load and
+ * memory. What cannot be read is left out. A new reference. It takes about 0.2 s. */
+json_t *pl_machine(void);
+
+/* Prints the machine as a table, with the host of a provenance (pl_provenance). */
+void pl_machine_print(const json_t *host, const json_t *machine, FILE *out);
+
 /* Runs a program, looked up in PATH, to its end. `argv` ends with a NULL. Its standard output goes to the file
  * `output`; it has no input, and its messages go nowhere. Returns its exit code, or 128 plus the number of the signal
  * that ended it; -1: it could not be started, and errno says why. */

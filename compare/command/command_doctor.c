@@ -6,7 +6,6 @@
 #include "base/program_name.h"
 #include "base/table.h"
 #include "engines/registry.h"
-#include "machine.h"
 #include "request.h"
 #include "results/conformance_record.h"
 

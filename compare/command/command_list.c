@@ -2,7 +2,6 @@
  * printed as it is or as text. */
 #include "base/folding.h"
 #include "base/json_get.h"
-#include "engine_list.h"
 #include "plumb/scenario.h"
 #include "report/report.h"
 #include "request.h"

@@ -1,6 +1,6 @@
 /* Each configuration of an engine with all its settings: as shipped, as its authors recommend, and
  * as plumb tune found. */
-#include "engine_list.h"
+#include "command.h"
 
 #include "adapters/process/hello.h"
 #include "base/json_field.h"
