@@ -343,22 +343,23 @@ pl_store *pl_request_open_store(const pl_call *call, const pl_request *request,
                                 const char *const *others)
 {
     const pl_store_mode mode = pl_store_mode_of(request->resume, request->force);
-    pl_call_check(call, pl_store_open(request->out, mode, others, &open_store, call->error));
+    pl_call_check(call, pl_store_open(request->out, mode, others, &open_store, call->error),
+                  call->error);
     open_folder = request->out;
     return open_store;
 }
 
-void pl_call_check_end(const pl_call *call, pl_status status, int signal_number)
+void pl_call_check_end(const pl_call *call, pl_status status, const pl_error *error,
+                       int signal_number)
 {
     if (status != PL_OK || signal_number != 0) {
-        exit(pl_call_end_store(call, open_store, open_folder, status, call->error, signal_number,
-                               PL_EXIT_OK));
+        exit(pl_call_end_store(call, open_store, open_folder, status, error, signal_number, 0));
     }
 }
 
-void pl_call_check(const pl_call *call, pl_status status)
+void pl_call_check(const pl_call *call, pl_status status, const pl_error *error)
 {
-    pl_call_check_end(call, status, 0);
+    pl_call_check_end(call, status, error, 0);
 }
 
 void pl_call_print_json(const json_t *value)

@@ -76,7 +76,7 @@ typedef struct pl_call {
     char **argv;
     int program_argc; /* of the program */
     char **program_argv;
-    pl_error *error; /* for functions whose status pl_call_check gets */
+    pl_error *error; /* room for the error that is checked next */
 } pl_call;
 
 /* A command. The struct that its options are parsed into begins with a pl_request (request.h),
@@ -112,12 +112,13 @@ void pl_call_parse(const pl_call *call, void *options);
 /* Reports an error, and returns its exit code. */
 int pl_call_fail(const pl_call *call, const pl_error *error);
 
-/* Ends the program as pl_call_end does, with call->error, unless the status is PL_OK and no signal came. Where results
- * of pl_request_open_store are open, it also says how to go on. */
-void pl_call_check_end(const pl_call *call, pl_status status, int signal_number);
+/* Ends the program as pl_call_end does, unless the status is PL_OK and no signal came. Where results of
+ * pl_request_open_store are open, it also says how to go on. */
+void pl_call_check_end(const pl_call *call, pl_status status, const pl_error *error,
+                       int signal_number);
 
 /* The same where no signal is waited for. */
-void pl_call_check(const pl_call *call, pl_status status);
+void pl_call_check(const pl_call *call, pl_status status, const pl_error *error);
 
 /* Reports that there is nothing to do, and why. Returns PL_EXIT_NOTHING. */
 int pl_call_nothing(const pl_call *call, const char *why);

@@ -53,7 +53,7 @@ static int deliver(const pl_call *call, const options *o, const json_t *all,
                                .folders = folders,
                                .folder_count = 1,
                                .reference = reference};
-    pl_call_check(call, pl_result_table_build(&table_def, &table, call->error));
+    pl_call_check(call, pl_result_table_build(&table_def, &table, call->error), call->error);
     pl_status status = pl_report_write(&def, call->error);
     if (status == PL_OK) {
         status = pl_results_write_json(o->request.json, results, call->error);
@@ -62,13 +62,13 @@ static int deliver(const pl_call *call, const options *o, const json_t *all,
         print_table(&table);
         pl_reference_study_print(stdout, reference);
     }
-    pl_call_check(call, status);
+    pl_call_check(call, status, call->error);
     fflush(stdout);
     pl_result_table_print_left_out(&table, stderr);
     pl_print_line(stderr, "%zu %s and the report are in %s/", count,
                   count == 1 ? "result" : "results", o->request.out);
     if (o->open) {
-        pl_call_check(call, pl_open_page(page, call->error));
+        pl_call_check(call, pl_open_page(page, call->error), call->error);
     }
     const int code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     pl_result_table_free(&table);
@@ -82,10 +82,11 @@ static int deliver(const pl_call *call, const options *o, const json_t *all,
 static char *prepare_recordings(const pl_call *call, const options *o)
 {
     char *path = pl_heap_format("%s/recordings", o->request.out);
-    pl_call_check(call, pl_make_directories(path, call->error));
+    pl_call_check(call, pl_make_directories(path, call->error), call->error);
     char *folder = realpath(path, NULL); /* an engine may change the working directory */
     if (folder == NULL) {
-        pl_call_check(call, pl_fail(call->error, PL_IO, "%.300s: %s", path, strerror(errno)));
+        pl_call_check(call, pl_fail(call->error, PL_IO, "%.300s: %s", path, strerror(errno)),
+                      call->error);
     }
     free(path);
     return folder;
@@ -100,7 +101,7 @@ static void make_runs(const pl_call *call, const options *o, pl_execution_def ex
     const pl_status status =
         (o->tolerance ? pl_tolerance_execute : pl_execute)(&execution, &signal_number, call->error);
     free(recordings);
-    pl_call_check_end(call, status, signal_number);
+    pl_call_check_end(call, status, call->error, signal_number);
 }
 
 /* Makes the converged references of scene files that expect nothing, and writes reference.json. Returns their outcome,
@@ -120,7 +121,7 @@ static json_t *make_references(const pl_call *call, const options *o, pl_executi
             status = pl_results_write_json(path, outcome, call->error);
         }
         pl_positions_clear(folder);
-        pl_call_check_end(call, status, signal_number);
+        pl_call_check_end(call, status, call->error, signal_number);
     }
     if (outcome == NULL) {
         unlink(path);
@@ -149,7 +150,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
         pl_positions_clear(paths);
     }
     if (!o->no_reference && pl_reference_study_due(plan, before) > 0) {
-        pl_call_check(call, pl_make_directories(paths, call->error));
+        pl_call_check(call, pl_make_directories(paths, call->error), call->error);
     }
     make_runs(call, o, execution);
     json_t *reference = make_references(call, o, execution, paths, before);
@@ -176,8 +177,8 @@ static int run(const pl_call *call)
         pl_texts_add(&o.request.suites, "canonical");
     }
     pl_plan plan = {.repeats = o.repeats};
-    pl_call_check(call, pl_request_outputs(&o.request, NULL, call->error));
-    pl_call_check(call, pl_request_plan(call, &o.request, &plan, call->error));
+    pl_call_check(call, pl_request_outputs(&o.request, NULL, call->error), call->error);
+    pl_call_check(call, pl_request_plan(call, &o.request, &plan, call->error), call->error);
     const int code = pl_plan_size(&plan) == 0 ? pl_call_nothing(call, "there is nothing to compare")
                                               : execute(call, &o, &plan);
     pl_plan_free(&plan);

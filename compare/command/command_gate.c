@@ -68,13 +68,15 @@ static void read_rules(material *m)
     m->rules = pl_heap_new((size_t)texts->count, sizeof *m->rules);
     for (int i = 0; i < texts->count; ++i) {
         pl_gate_rule *rule = &m->rules[i];
-        pl_call_check(m->call, pl_gate_rule_parse(texts->items[i], rule, m->call->error));
+        pl_call_check(m->call, pl_gate_rule_parse(texts->items[i], rule, m->call->error),
+                      m->call->error);
         if (rule->is_relative && m->o->baseline == NULL) {
             pl_call_check(
                 m->call,
                 pl_fail(m->call->error, PL_BAD_INPUT,
                         "--fail-if \"%.120s\": column %d: a relative rule needs --baseline",
-                        rule->text, rule->value_column));
+                        rule->text, rule->value_column),
+                call->error);
         }
     }
 }
@@ -98,7 +100,8 @@ static void check_reference(const material *m)
         pl_call_check(m->call,
                       pl_fail(m->call->error, PL_BAD_INPUT,
                               "--reference %.100s: the results have no run of that engine%s",
-                              reference, hint));
+                              reference, hint),
+                      m->call->error);
     }
     free(labels);
 }
@@ -112,16 +115,19 @@ static void read_all(material *m)
     for (int i = 0; i < count; ++i) {
         json_t *results = NULL;
         m->files[i].path = o->request.names.items[i];
-        pl_call_check(m->call, pl_gate_read(m->files[i].path, &results, m->call->error));
+        pl_call_check(m->call, pl_gate_read(m->files[i].path, &results, m->call->error),
+                      m->call->error);
         m->files[i].results = results;
     }
     const pl_result_table_def def = {.files = m->files, .file_count = count};
-    pl_call_check(m->call, pl_result_table_build(&def, &m->results, m->call->error));
+    pl_call_check(m->call, pl_result_table_build(&def, &m->results, m->call->error),
+                  m->call->error);
     pl_result_table_print_left_out(&m->results, stderr);
     pl_gate_gather(&m->results, &o->tolerances, &m->now);
     check_reference(m);
     if (!o->update && o->baseline != NULL) {
-        pl_call_check(m->call, pl_gate_baseline_read(o->baseline, &m->before, m->call->error));
+        pl_call_check(m->call, pl_gate_baseline_read(o->baseline, &m->before, m->call->error),
+                      m->call->error);
     }
     pl_gate_rows_disambiguate(&m->now, &m->before);
 }
@@ -129,7 +135,8 @@ static void read_all(material *m)
 static void update(material *m)
 {
     pl_gate_ratios_add(&m->now, m->o->reference);
-    pl_call_check(m->call, pl_gate_baseline_write(m->o->baseline, &m->now, m->call->error));
+    pl_call_check(m->call, pl_gate_baseline_write(m->o->baseline, &m->now, m->call->error),
+                  m->call->error);
     pl_print_line(stderr, "%d row%s written to %s", m->now.count, m->now.count == 1 ? "" : "s",
                   m->o->baseline);
 }
@@ -180,7 +187,7 @@ static void deliver(const material *m)
         pl_gate_verdict_summary(&m->verdict, summary, sizeof summary);
         pl_print_line(stderr, "%s", summary);
     }
-    pl_call_check(m->call, status);
+    pl_call_check(m->call, status, m->call->error);
 }
 
 /* Returns the exit code. */
@@ -206,7 +213,7 @@ static int run(const pl_call *call)
     options o = {.request = pl_request_default(), .tolerances = pl_gate_tolerances_default()};
     material m = {.call = call, .o = &o};
     pl_call_parse(call, &o);
-    pl_call_check(call, pl_request_outputs(&o.request, o.request.out, call->error));
+    pl_call_check(call, pl_request_outputs(&o.request, o.request.out, call->error), call->error);
     read_all(&m);
     if (m.now.count == 0) {
         code = pl_call_nothing(call, "the results are empty");
