@@ -161,7 +161,8 @@ const pl_exit_meaning *pl_exit_meanings(int *count);
  * on. A line ":files SUFFIX" stands for all files whose names end in SUFFIX, and for all folders; for folders alone
  * where SUFFIX is "/", and for all files where it is empty. Such a line comes only where no candidate fits. No engine
  * is started. Never fails, and returns PL_EXIT_OK. */
-int pl_complete(int word_count, char *const *words);
+int pl_complete(const pl_command *const *commands, int command_count, int word_count,
+                char *const *words);
 
 /* All studies, in the order of reports. Static storage. */
 const pl_study *const *pl_studies(int *count);

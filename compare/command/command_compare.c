@@ -39,6 +39,7 @@ static void print_table(const pl_result_table *results)
 static int deliver(const pl_call *call, const options *o, const json_t *all,
                    const json_t *reference)
 {
+    pl_error error = {.message = ""};
     json_t *results = pl_results_of_study(all, NULL);
     const size_t count = json_array_size(results);
     const char *const folders[] = {o->request.out};
@@ -53,22 +54,22 @@ static int deliver(const pl_call *call, const options *o, const json_t *all,
                                .folders = folders,
                                .folder_count = 1,
                                .reference = reference};
-    pl_call_check(call, pl_result_table_build(&table_def, &table, call->error), call->error);
-    pl_status status = pl_report_write(&def, call->error);
+    pl_call_check(call, pl_result_table_build(&table_def, &table, &error), &error);
+    pl_status status = pl_report_write(&def, &error);
     if (status == PL_OK) {
-        status = pl_results_write_json(o->request.json, results, call->error);
+        status = pl_results_write_json(o->request.json, results, &error);
     }
     if (!pl_is_stdout(o->request.json)) {
         print_table(&table);
         pl_reference_study_print(stdout, reference);
     }
-    pl_call_check(call, status, call->error);
+    pl_call_check(call, status, &error);
     fflush(stdout);
     pl_result_table_print_left_out(&table, stderr);
     pl_print_line(stderr, "%zu %s and the report are in %s/", count,
                   count == 1 ? "result" : "results", o->request.out);
     if (o->open) {
-        pl_call_check(call, pl_open_page(page, call->error), call->error);
+        pl_call_check(call, pl_open_page(page, &error), &error);
     }
     const int code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     pl_result_table_free(&table);
@@ -81,12 +82,13 @@ static int deliver(const pl_call *call, const options *o, const json_t *all,
 /* Makes the folder of recordings. Returns its path, which the caller frees. */
 static char *prepare_recordings(const pl_call *call, const options *o)
 {
+    pl_error error = {.message = ""};
     char *path = pl_heap_format("%s/recordings", o->request.out);
-    pl_call_check(call, pl_make_directories(path, call->error), call->error);
+    pl_call_check(call, pl_make_directories(path, &error), &error);
     char *folder = realpath(path, NULL); /* an engine may change the working directory */
     if (folder == NULL) {
-        pl_call_check(call, pl_fail(call->error, PL_IO, "%.300s: %s", path, strerror(errno)),
-                      call->error);
+        pl_fail(&error, PL_IO, "%.300s: %s", path, strerror(errno));
+        pl_call_check(call, PL_IO, &error);
     }
     free(path);
     return folder;
@@ -95,33 +97,35 @@ static char *prepare_recordings(const pl_call *call, const options *o)
 static void make_runs(const pl_call *call, const options *o, pl_execution_def execution)
 {
     int signal_number = 0;
+    pl_error error = {.message = ""};
     char *recordings = o->no_recordings ? NULL : prepare_recordings(call, o);
     execution.recordings = recordings;
     pl_request_note_threads(call, execution.plan);
     const pl_status status =
-        (o->tolerance ? pl_tolerance_execute : pl_execute)(&execution, &signal_number, call->error);
+        (o->tolerance ? pl_tolerance_execute : pl_execute)(&execution, &signal_number, &error);
     free(recordings);
-    pl_call_check_end(call, status, call->error, signal_number);
+    pl_call_check_end(call, status, &error, signal_number);
 }
 
-/* Makes the converged references of scene files that expect nothing, and writes reference.json. Returns their outcome,
- * or NULL; the outcome of an earlier comparison then does not stay next to the results of this one. */
+/* Makes the converged references of scene files that expect nothing, and writes reference.json. Returns their outcome;
+ * NULL: there is none, and that of an earlier comparison does not stay next to the results of this one. */
 static json_t *make_references(const pl_call *call, const options *o, pl_execution_def execution,
                                const char *folder, const json_t *before)
 {
     int signal_number = 0;
     json_t *outcome = NULL;
+    pl_error error = {.message = ""};
     char *path = pl_heap_format("%s/reference.json", o->request.out);
     execution.positions = folder;
     if (!o->no_reference && pl_reference_study_cases(execution.plan) > 0) {
         const pl_reference_study_def def = {
             .execution = execution, .results = pl_store_results(execution.store), .before = before};
-        pl_status status = pl_reference_study(&def, &outcome, &signal_number, call->error);
+        pl_status status = pl_reference_study(&def, &outcome, &signal_number, &error);
         if (status == PL_OK && outcome != NULL) {
-            status = pl_results_write_json(path, outcome, call->error);
+            status = pl_results_write_json(path, outcome, &error);
         }
         pl_positions_clear(folder);
-        pl_call_check_end(call, status, call->error, signal_number);
+        pl_call_check_end(call, status, &error, signal_number);
     }
     if (outcome == NULL) {
         unlink(path);
@@ -134,6 +138,7 @@ static json_t *make_references(const pl_call *call, const options *o, pl_executi
 static int execute(const pl_call *call, const options *o, const pl_plan *plan)
 {
     static const char *const report_files[] = {"index.html", NULL};
+    pl_error error = {.message = ""};
     pl_store *store = pl_request_open_store(call, &o->request, report_files);
     json_t *provenance = pl_call_provenance(call);
     const pl_execution_def execution = {.plan = plan,
@@ -150,7 +155,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
         pl_positions_clear(paths);
     }
     if (!o->no_reference && pl_reference_study_due(plan, before) > 0) {
-        pl_call_check(call, pl_make_directories(paths, call->error), call->error);
+        pl_call_check(call, pl_make_directories(paths, &error), &error);
     }
     make_runs(call, o, execution);
     json_t *reference = make_references(call, o, execution, paths, before);
@@ -165,7 +170,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     free(paths);
     free(known);
     free(recordings);
-    return pl_call_end_store(call, store, o->request.out, PL_OK, call->error, 0, code);
+    return pl_call_end_store(call, store, o->request.out, PL_OK, &error, 0, code);
 }
 
 static int run(const pl_call *call)
@@ -176,9 +181,10 @@ static int run(const pl_call *call)
     if (o.request.names.count == 0 && o.request.suites.count == 0) {
         pl_texts_add(&o.request.suites, "canonical");
     }
+    pl_error error = {.message = ""};
     pl_plan plan = {.repeats = o.repeats};
-    pl_call_check(call, pl_request_outputs(&o.request, NULL, call->error), call->error);
-    pl_call_check(call, pl_request_plan(call, &o.request, &plan, call->error), call->error);
+    pl_call_check(call, pl_request_outputs(&o.request, NULL, &error), &error);
+    pl_call_check(call, pl_request_plan(call, &o.request, &plan, &error), &error);
     const int code = pl_plan_size(&plan) == 0 ? pl_call_nothing(call, "there is nothing to compare")
                                               : execute(call, &o, &plan);
     pl_plan_free(&plan);

@@ -76,7 +76,7 @@ static void read_rules(material *m)
                 pl_fail(m->call->error, PL_BAD_INPUT,
                         "--fail-if \"%.120s\": column %d: a relative rule needs --baseline",
                         rule->text, rule->value_column),
-                call->error);
+                m->call->error);
         }
     }
 }

@@ -14,6 +14,8 @@
 
 /* A command line at whose last word the cursor is. */
 typedef struct completion {
+    const pl_command *const *commands; /* (command_count) */
+    int command_count;
     const char *word;          /* at the cursor */
     size_t lead;               /* bytes of the word before what is completed: "--engine=" */
     const pl_command *command; /* NULL: the word is the command */
@@ -69,10 +71,8 @@ static void pass_commas(completion *c)
 
 static void offer_commands(completion *c)
 {
-    int count;
-    const pl_command *const *commands = pl_commands(&count);
-    for (int i = 0; i < count; ++i) {
-        offer(c, commands[i]->name, "", commands[i]->summary);
+    for (int i = 0; i < c->command_count; ++i) {
+        offer(c, c->commands[i]->name, "", c->commands[i]->summary);
     }
 }
 
@@ -332,12 +332,13 @@ static void complete_word(completion *c, int count, char *const *words)
     }
 }
 
-int pl_complete(int word_count, char *const *words)
+int pl_complete(const pl_command *const *commands, int command_count, int word_count,
+                char *const *words)
 {
-    int count;
-    const pl_command *const *commands = pl_commands(&count);
-    completion c = {.word = word_count > 0 ? words[word_count - 1] : ""};
-    for (int i = 0; i < count && word_count > 1; ++i) {
+    completion c = {.commands = commands,
+                    .command_count = command_count,
+                    .word = word_count > 0 ? words[word_count - 1] : ""};
+    for (int i = 0; i < command_count && word_count > 1; ++i) {
         c.command = strcmp(commands[i]->name, words[0]) == 0 ? commands[i] : c.command;
     }
     if (word_count <= 1) {
