@@ -91,7 +91,7 @@ static void print_entry(const char *term, const char *text)
 
 /* ---- Commands ---- */
 
-static void print_option(const pl_option *option, const char *help)
+static void print_option(const pl_option *option)
 {
     fputs(".TP\n", stdout);
     if (option->letter != 0) {
@@ -108,7 +108,7 @@ static void print_option(const pl_option *option, const char *help)
         fputs("\\fR", stdout);
     }
     putchar('\n');
-    print_text(help);
+    print_text(option->help);
     putchar('\n');
 }
 
@@ -160,7 +160,7 @@ static void print_usage(const pl_command *command, bool has_options)
 
 static void print_command(const pl_command *command)
 {
-    pl_listed_option options[PL_MOST_OPTIONS];
+    pl_option options[PL_MOST_OPTIONS];
     const int count = pl_command_options(command, options) - PL_COMMON_OPTIONS;
     fputs(".SS ", stdout);
     print_text(command->name);
@@ -172,7 +172,7 @@ static void print_command(const pl_command *command)
     }
     print_paragraphs(command->description);
     for (int i = 0; i < count; ++i) {
-        print_option(options[i].option, options[i].help);
+        print_option(&options[i]);
     }
     if (command->list != NULL) {
         print_list(command);
@@ -194,7 +194,7 @@ static void print_commands(void)
 static void print_common_options(void)
 {
     for (const pl_option *option = pl_common_options; option->name != NULL; ++option) {
-        print_option(option, option->help);
+        print_option(option);
     }
 }
 

@@ -27,7 +27,7 @@ const pl_option pl_common_options[PL_COMMON_OPTIONS + 1] = {
 typedef struct parsing {
     const pl_call *call;
     void *options;
-    pl_listed_option table[PL_MOST_OPTIONS]; /* (count) all options of the command */
+    pl_option table[PL_MOST_OPTIONS]; /* (count) all options of the command */
     int count;
     struct argp_option argp[PL_MOST_OPTIONS + 1]; /* (count) the same for argp, and a zero */
     const char *explains; /* "--help" or "--usage", which the command line asks for; NULL: none */
@@ -41,40 +41,40 @@ void pl_texts_add(pl_texts *texts, const char *item)
 
 /* ---- Tables of options ---- */
 
-static void collect(const pl_command *command, const pl_option *options,
-                    pl_listed_option list[PL_MOST_OPTIONS], int *count)
+/* Adds the options of a table (NULL: none). */
+static void collect(const pl_option *table, pl_option options[PL_MOST_OPTIONS], int *count)
 {
-    const pl_option *own = command->options;
-    for (const pl_option *option = options; option != NULL && option->name != NULL; ++option) {
-        if (option->kind == PL_OPTION_HELP || *count == PL_MOST_OPTIONS) {
-            continue;
+    for (const pl_option *option = table; option != NULL && option->name != NULL; ++option) {
+        if (option->kind != PL_OPTION_HELP && *count < PL_MOST_OPTIONS) {
+            options[(*count)++] = *option;
         }
-        const char *help = option->help;
-        for (const pl_option *other = own; other != NULL && other->name != NULL; ++other) {
-            if (other->kind == PL_OPTION_HELP && strcmp(other->name, option->name) == 0) {
-                help = other->help;
-            }
-        }
-        list[(*count)++] = (pl_listed_option){option, help};
     }
 }
 
-int pl_command_options(const pl_command *command, pl_listed_option options[PL_MOST_OPTIONS])
+int pl_command_options(const pl_command *command, pl_option options[PL_MOST_OPTIONS])
 {
     int count = 0;
-    collect(command, command->options, options, &count);
-    for (int i = 0; i < PL_SHARED_OPTIONS && command->shared[i] != NULL; ++i) {
-        collect(command, command->shared[i], options, &count);
+    collect(command->options, options, &count);
+    for (int i = 0; i < PL_SHARED_OPTIONS; ++i) {
+        collect(command->shared[i], options, &count);
     }
-    collect(command, pl_common_options, options, &count);
+    collect(pl_common_options, options, &count);
+    for (const pl_option *own = command->options; own != NULL && own->name != NULL; ++own) {
+        if (own->kind == PL_OPTION_HELP) {
+            const int found = pl_option_find(options, count, own->name, strlen(own->name));
+            if (found >= 0) {
+                options[found].help = own->help;
+            }
+        }
+    }
     return count;
 }
 
-int pl_option_find(const pl_listed_option *options, int count, const char *name, size_t length)
+int pl_option_find(const pl_option *options, int count, const char *name, size_t length)
 {
     int found = -1;
     for (int i = 0; i < count; ++i) {
-        const char *other = options[i].option->name;
+        const char *other = options[i].name;
         if (strncmp(other, name, length) == 0) {
             if (strlen(other) == length) {
                 return i;
@@ -90,12 +90,12 @@ static void list_options(parsing *p)
 {
     p->count = pl_command_options(p->call->command, p->table);
     for (int i = 0; i < p->count - PL_COMMON_OPTIONS; ++i) {
-        const pl_option *option = p->table[i].option;
+        const pl_option *option = &p->table[i];
         p->argp[i] =
             (struct argp_option){.name = option->name,
                                  .key = option->letter != 0 ? option->letter : FIRST_KEY + i,
                                  .arg = option->argument,
-                                 .doc = p->table[i].help};
+                                 .doc = option->help};
     }
 }
 
@@ -104,7 +104,7 @@ static void reject_unknown(const parsing *p, const char *option, size_t length)
     char word[PL_NAME_SIZE];
     const char *names[PL_MOST_OPTIONS];
     for (int i = 0; i < p->count; ++i) {
-        names[i] = p->table[i].option->name;
+        names[i] = p->table[i].name;
     }
     snprintf(word, sizeof word, "%.*s", (int)length, option);
     const char *nearest = pl_nearest_name(word, names, p->count);
@@ -133,7 +133,7 @@ static void check_options(parsing *p)
             if (common == HELP_OPTION || common == USAGE_OPTION) {
                 p->explains = common == HELP_OPTION ? "--help" : "--usage";
             }
-            const bool takes_argument = found >= 0 && p->table[found].option->argument != NULL;
+            const bool takes_argument = found >= 0 && p->table[found].argument != NULL;
             i += takes_argument && argument[2 + length] != '=';
         }
     }
@@ -233,7 +233,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
     for (int i = 0; i < p->count - PL_COMMON_OPTIONS; ++i) {
         if (p->argp[i].key == key) {
-            set_option(p->table[i].option, p->options, text, state);
+            set_option(&p->table[i], p->options, text, state);
             return 0;
         }
     }
@@ -342,9 +342,9 @@ static const char *open_folder;
 pl_store *pl_request_open_store(const pl_call *call, const pl_request *request,
                                 const char *const *others)
 {
-    pl_error error = {.message = ""};
     const pl_store_mode mode = pl_store_mode_of(request->resume, request->force);
-    pl_call_check(call, pl_store_open(request->out, mode, others, &open_store, &error), &error);
+    pl_call_check(call, pl_store_open(request->out, mode, others, &open_store, call->error),
+                  call->error);
     open_folder = request->out;
     return open_store;
 }

@@ -67,12 +67,6 @@ enum { PL_COMMON_OPTIONS = 3 };
 /* --help, --usage and --version, which every command has. Ends with {0}. */
 extern const pl_option pl_common_options[PL_COMMON_OPTIONS + 1];
 
-/* An option with its help in a command. */
-typedef struct pl_listed_option {
-    const pl_option *option;
-    const char *help;
-} pl_listed_option;
-
 enum { PL_SHARED_OPTIONS = 7 };
 
 /* How a command was called. */
@@ -82,6 +76,7 @@ typedef struct pl_call {
     char **argv;
     int program_argc; /* of the program */
     char **program_argv;
+    pl_error *error; /* room for the error that is checked next */
 } pl_call;
 
 /* A command. The struct that its options are parsed into begins with a pl_request (request.h),
@@ -102,12 +97,13 @@ typedef struct pl_command {
 
 enum { PL_MOST_OPTIONS = 64 };
 
-/* Lists the options of a command, its own first and the common ones last. Returns their number. */
-int pl_command_options(const pl_command *command, pl_listed_option options[PL_MOST_OPTIONS]);
+/* Lists the options of a command, its own first and the common ones last, with their help in this command. Returns
+ * their number. */
+int pl_command_options(const pl_command *command, pl_option options[PL_MOST_OPTIONS]);
 
 /* The only one of `count` options that begins with the first `length` characters of `name`, or is `name`, as getopt
  * finds it. -1: there is none; -2: several. */
-int pl_option_find(const pl_listed_option *options, int count, const char *name, size_t length);
+int pl_option_find(const pl_option *options, int count, const char *name, size_t length);
 
 /* Parses the command line into the command's options, which hold their defaults before. Ends the
  * program on bad usage (exit 2, with a suggestion for an unknown option), --help and --version. */
@@ -165,13 +161,34 @@ const pl_exit_meaning *pl_exit_meanings(int *count);
  * on. A line ":files SUFFIX" stands for all files whose names end in SUFFIX, and for all folders; for folders alone
  * where SUFFIX is "/", and for all files where it is empty. Such a line comes only where no candidate fits. No engine
  * is started. Never fails, and returns PL_EXIT_OK. */
-int pl_complete(int word_count, char *const *words);
+int pl_complete(const pl_command *const *commands, int command_count, int word_count,
+                char *const *words);
 
 /* All studies, in the order of reports. Static storage. */
 const pl_study *const *pl_studies(int *count);
 
 /* The study with conclusions plumb.KIND/1; NULL: none. */
 const pl_study *pl_study_find(const char *kind);
+
+/* ---- Parts of single commands ---- */
+
+/* An array of the engines of this build, or of those of the SPECs after the first of `names`: a new reference. An
+ * engine that could not be asked has the key "fault". Ends the program where a SPEC or a file of profiles is wrong. */
+json_t *pl_engine_list(const pl_call *call, const pl_texts *names);
+
+/* Prints an item of that array: what the engine is, its profiles with the values that differ from
+ * the first one's and where they come from, its tuned profiles, and its options. */
+void pl_engine_list_print(const json_t *item, FILE *out);
+
+/* Prints a parameter of a scenario or an option of an engine: its help, unit, default and range, and `more`. */
+void pl_list_print_number(const json_t *item, const char *more, FILE *out);
+
+/* The machine as a JSON object: the processor's features and settings, the clock that times steps, load and
+ * memory. What cannot be read is left out. A new reference. It takes about 0.2 s. */
+json_t *pl_machine(void);
+
+/* Prints the machine as a table, with the host of a provenance (pl_provenance). */
+void pl_machine_print(const json_t *host, const json_t *machine, FILE *out);
 
 /* Runs a program, looked up in PATH, to its end. `argv` ends with a NULL. Its standard output goes to the file
  * `output`; it has no input, and its messages go nowhere. Returns its exit code, or 128 plus the number of the signal

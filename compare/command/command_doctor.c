@@ -6,7 +6,6 @@
 #include "base/program_name.h"
 #include "base/table.h"
 #include "engines/registry.h"
-#include "machine.h"
 #include "request.h"
 #include "results/conformance_record.h"
 
@@ -48,7 +47,6 @@ static void add_engine(const pl_call *call, const pl_built_in *built_in, json_t 
 {
     char text[PL_NAME_SIZE + 64];
     const pl_engine_info *engine = NULL;
-    pl_error error = {.message = ""};
     if (!pl_built_in_is_present(built_in)) {
         char how[PL_HOW_TO_GET];
         pl_built_in_how_to_get(built_in, how, sizeof how);
@@ -56,7 +54,7 @@ static void add_engine(const pl_call *call, const pl_built_in *built_in, json_t 
             list, json_pack("{s:s, s:b, s:s}", "name", built_in->name, "present", 0, "get", how));
         return;
     }
-    pl_call_check(call, pl_engine_of_build(built_in, &engine, &error), &error);
+    pl_call_check(call, pl_engine_of_build(built_in, &engine, call->error), call->error);
     json_t *item = json_pack("{s:s, s:b, s:s}", "name", built_in->name, "present", 1, "runtime",
                              pl_engine_runtime(engine));
     json_array_append_new(list, item);

@@ -65,16 +65,18 @@ static void free_material(material *m)
 static void read_rules(material *m)
 {
     const pl_texts *texts = &m->o->rules;
-    pl_error error = {.message = ""};
     m->rules = pl_heap_new((size_t)texts->count, sizeof *m->rules);
     for (int i = 0; i < texts->count; ++i) {
         pl_gate_rule *rule = &m->rules[i];
-        pl_call_check(m->call, pl_gate_rule_parse(texts->items[i], rule, &error), &error);
+        pl_call_check(m->call, pl_gate_rule_parse(texts->items[i], rule, m->call->error),
+                      m->call->error);
         if (rule->is_relative && m->o->baseline == NULL) {
-            pl_fail(&error, PL_BAD_INPUT,
-                    "--fail-if \"%.120s\": column %d: a relative rule needs --baseline", rule->text,
-                    rule->value_column);
-            pl_call_check(m->call, PL_BAD_INPUT, &error);
+            pl_call_check(
+                m->call,
+                pl_fail(m->call->error, PL_BAD_INPUT,
+                        "--fail-if \"%.120s\": column %d: a relative rule needs --baseline",
+                        rule->text, rule->value_column),
+                m->call->error);
         }
     }
 }
@@ -94,11 +96,12 @@ static void check_reference(const material *m)
     }
     if (!found) {
         char hint[PL_SUGGESTION_SIZE];
-        pl_error error = {.message = ""};
-        pl_fail(&error, PL_BAD_INPUT,
-                "--reference %.100s: the results have no run of that engine%s", reference,
-                pl_did_you_mean(reference, labels, rows->count, hint));
-        pl_call_check(m->call, PL_BAD_INPUT, &error);
+        pl_did_you_mean(reference, labels, rows->count, hint);
+        pl_call_check(m->call,
+                      pl_fail(m->call->error, PL_BAD_INPUT,
+                              "--reference %.100s: the results have no run of that engine%s",
+                              reference, hint),
+                      m->call->error);
     }
     free(labels);
 }
@@ -106,32 +109,34 @@ static void check_reference(const material *m)
 static void read_all(material *m)
 {
     const options *o = m->o;
-    pl_error error = {.message = ""};
     const int count = o->request.names.count;
     read_rules(m);
     m->files = pl_heap_new((size_t)count, sizeof *m->files);
     for (int i = 0; i < count; ++i) {
         json_t *results = NULL;
         m->files[i].path = o->request.names.items[i];
-        pl_call_check(m->call, pl_gate_read(m->files[i].path, &results, &error), &error);
+        pl_call_check(m->call, pl_gate_read(m->files[i].path, &results, m->call->error),
+                      m->call->error);
         m->files[i].results = results;
     }
     const pl_result_table_def def = {.files = m->files, .file_count = count};
-    pl_call_check(m->call, pl_result_table_build(&def, &m->results, &error), &error);
+    pl_call_check(m->call, pl_result_table_build(&def, &m->results, m->call->error),
+                  m->call->error);
     pl_result_table_print_left_out(&m->results, stderr);
     pl_gate_gather(&m->results, &o->tolerances, &m->now);
     check_reference(m);
     if (!o->update && o->baseline != NULL) {
-        pl_call_check(m->call, pl_gate_baseline_read(o->baseline, &m->before, &error), &error);
+        pl_call_check(m->call, pl_gate_baseline_read(o->baseline, &m->before, m->call->error),
+                      m->call->error);
     }
     pl_gate_rows_disambiguate(&m->now, &m->before);
 }
 
 static void update(material *m)
 {
-    pl_error error = {.message = ""};
     pl_gate_ratios_add(&m->now, m->o->reference);
-    pl_call_check(m->call, pl_gate_baseline_write(m->o->baseline, &m->now, &error), &error);
+    pl_call_check(m->call, pl_gate_baseline_write(m->o->baseline, &m->now, m->call->error),
+                  m->call->error);
     pl_print_line(stderr, "%d row%s written to %s", m->now.count, m->now.count == 1 ? "" : "s",
                   m->o->baseline);
 }
@@ -170,20 +175,19 @@ static void deliver(const material *m)
     const char *out = o->request.out;
     const bool to_file = out != NULL && !pl_is_stdout(out);
     const char *page = getenv("GITHUB_STEP_SUMMARY");
-    pl_error error = {.message = ""};
-    pl_status status = write_format(o->format, &m->verdict, to_file ? out : "-", &error);
+    pl_status status = write_format(o->format, &m->verdict, to_file ? out : "-", m->call->error);
     if (status == PL_OK && to_file) {
-        status = write_format(PL_GATE_TEXT, &m->verdict, "-", &error);
+        status = write_format(PL_GATE_TEXT, &m->verdict, "-", m->call->error);
     }
     if (status == PL_OK && o->format == PL_GATE_GITHUB && page != NULL && page[0] != '\0') {
-        status = append_page(&m->verdict, page, &error);
+        status = append_page(&m->verdict, page, m->call->error);
     }
     if (!to_file && (o->format == PL_GATE_JUNIT || o->format == PL_GATE_JSON)) {
         char summary[256];
         pl_gate_verdict_summary(&m->verdict, summary, sizeof summary);
         pl_print_line(stderr, "%s", summary);
     }
-    pl_call_check(m->call, status, &error);
+    pl_call_check(m->call, status, m->call->error);
 }
 
 /* Returns the exit code. */
@@ -206,11 +210,10 @@ static int judge(material *m)
 static int run(const pl_call *call)
 {
     int code = PL_EXIT_OK;
-    pl_error error = {.message = ""};
     options o = {.request = pl_request_default(), .tolerances = pl_gate_tolerances_default()};
     material m = {.call = call, .o = &o};
     pl_call_parse(call, &o);
-    pl_call_check(call, pl_request_outputs(&o.request, o.request.out, &error), &error);
+    pl_call_check(call, pl_request_outputs(&o.request, o.request.out, call->error), call->error);
     read_all(&m);
     if (m.now.count == 0) {
         code = pl_call_nothing(call, "the results are empty");

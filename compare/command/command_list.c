@@ -2,7 +2,6 @@
  * printed as it is or as text. */
 #include "base/folding.h"
 #include "base/json_get.h"
-#include "engine_list.h"
 #include "plumb/scenario.h"
 #include "report/report.h"
 #include "request.h"
@@ -229,11 +228,10 @@ static pl_status check(void *user, pl_error *error)
 static void write_page(const pl_call *call, const options *o)
 {
     pl_text_buffer out = {0};
-    pl_error error = {.message = ""};
     json_t *scenarios = list_scenarios(), *suites = list_suites();
-    pl_call_check(call, pl_request_outputs(&o->request, o->page, &error), &error);
-    pl_call_check(call, pl_catalogue_page(scenarios, suites, &out, &error), &error);
-    pl_call_check(call, pl_write_buffer(o->page, &out, &error), &error);
+    pl_call_check(call, pl_request_outputs(&o->request, o->page, call->error), call->error);
+    pl_call_check(call, pl_catalogue_page(scenarios, suites, &out, call->error), call->error);
+    pl_call_check(call, pl_write_buffer(o->page, &out, call->error), call->error);
     json_decref(scenarios);
     json_decref(suites);
 }

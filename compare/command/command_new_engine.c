@@ -50,7 +50,7 @@ static const file PROCESS_FILES[] = {
     {"README.md", pl_process_README_md},
 };
 
-/* What a folder is made of, and what is said about it before and after its path. */
+/* The files of a folder, and the text that is printed before and after its path. */
 typedef struct engine_template {
     const file *files; /* (file_count) */
     int file_count;
@@ -209,7 +209,6 @@ static pl_status make(const engine_template *of, const char *path, const char *n
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
-    pl_error error = {.message = ""};
     pl_call_parse(call, &o);
     char folder_name[PL_NAME_SIZE];
     const char *name = o.name != NULL ? o.name : folder_name;
@@ -218,10 +217,10 @@ static int run(const pl_call *call)
     for (size_t n = strlen(path); n > 1 && path[n - 1] == '/'; --n) {
         path[n - 1] = '\0';
     }
-    pl_call_check(call, check_target(path, &error), &error);
+    pl_call_check(call, check_target(path, call->error), call->error);
     name_after(path, folder_name);
-    pl_call_check(call, check_not_built_in(name, &error), &error);
-    pl_call_check(call, make(of, path, name, &error), &error);
+    pl_call_check(call, check_not_built_in(name, call->error), call->error);
+    pl_call_check(call, make(of, path, name, call->error), call->error);
     pl_text_buffer next = {0};
     add_named(&next, of->before, name);
     pl_text_add_shell(&next, path);

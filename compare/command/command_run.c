@@ -192,14 +192,13 @@ static pl_status check_capture(const options *o, const pl_plan *plan, pl_error *
 static json_t *execute(const pl_call *call, const options *o, const pl_plan *plan)
 {
     int signal_number = 0;
-    pl_error error = {.message = ""};
     trajectory frames = {.file = NULL};
-    pl_call_check(call, check_capture(o, plan, &error), &error);
+    pl_call_check(call, check_capture(o, plan, call->error), call->error);
     pl_capture_target target = {
         .path = o->capture, .step = o->capture_step, .source = capture_source(plan)};
     const pl_capture capture = {.step = o->capture_step, .take = pl_capture_write, .user = &target};
     json_t *provenance = pl_call_provenance(call);
-    pl_status status = open_trajectory(o->trajectory, &frames, &error);
+    pl_status status = open_trajectory(o->trajectory, &frames, call->error);
     kept found = {.frames = frames.file};
     if (status == PL_OK) {
         const pl_execution_def execution = {.plan = plan,
@@ -211,12 +210,12 @@ static json_t *execute(const pl_call *call, const options *o, const pl_plan *pla
                                             .user = &found,
                                             .frames = give_file,
                                             .take = keep};
-        status = pl_execute(&execution, &signal_number, &error);
+        status = pl_execute(&execution, &signal_number, call->error);
     }
-    status = close_trajectory(&frames, status, signal_number == 0, &error);
+    status = close_trajectory(&frames, status, signal_number == 0, call->error);
     json_decref(target.source);
     json_decref(provenance);
-    pl_call_check_end(call, status, &error, signal_number);
+    pl_call_check_end(call, status, call->error, signal_number);
     return found.result;
 }
 
@@ -224,21 +223,21 @@ static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
     pl_call_parse(call, &o);
-    pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
     /* Of files that are numbered, the first stands for all. */
     char *capture = o.capture == NULL ? NULL : pl_capture_path(o.capture, 1);
-    pl_call_check(call, pl_request_outputs(&o.request, o.trajectory, &error), &error);
-    pl_call_check(call, pl_output_check(capture, o.request.force, &error), &error);
-    pl_call_check(call, pl_request_add_cases(&o.request, &plan, &error), &error);
+    pl_call_check(call, pl_request_outputs(&o.request, o.trajectory, call->error), call->error);
+    pl_call_check(call, pl_output_check(capture, o.request.force, call->error), call->error);
+    pl_call_check(call, pl_request_add_cases(&o.request, &plan, call->error), call->error);
     pl_engine_describe_within(&o.request.limits);
-    pl_call_check(call, pl_plan_add_engine(&plan, o.request.engines.items[0], &error), &error);
+    pl_call_check(call, pl_plan_add_engine(&plan, o.request.engines.items[0], call->error),
+                  call->error);
     pl_request_note_threads(call, &plan);
     json_t *result = execute(call, &o, &plan);
     if (!pl_is_stdout(o.request.json) && !pl_is_stdout(o.trajectory)) {
         print_result(result);
     }
-    pl_call_check(call, pl_results_write_json(o.request.json, result, &error), &error);
+    pl_call_check(call, pl_results_write_json(o.request.json, result, call->error), call->error);
     const bool is_ok = strcmp(pl_json_get_text(result, "outcome"), "ok") == 0;
     json_decref(result);
     pl_plan_free(&plan);

@@ -43,13 +43,12 @@ static pl_status check(void *user, pl_error *error)
 static int run(const pl_call *call)
 {
     pl_request request = pl_request_default();
-    pl_error error = {.message = ""};
     char *path = NULL;
     pl_call_parse(call, &request);
     const char *name = request.names.count == 0 ? "report" : request.names.items[0];
-    pl_call_check(call, find_page(name, &path, &error), &error);
+    pl_call_check(call, find_page(name, &path, call->error), call->error);
     printf("%s\n", path);
-    pl_call_check(call, pl_open_page(path, &error), &error);
+    pl_call_check(call, pl_open_page(path, call->error), call->error);
     free(path);
     pl_request_free(&request);
     return PL_EXIT_OK;

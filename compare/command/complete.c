@@ -14,10 +14,12 @@
 
 /* A command line at whose last word the cursor is. */
 typedef struct completion {
+    const pl_command *const *commands; /* (command_count) */
+    int command_count;
     const char *word;          /* at the cursor */
     size_t lead;               /* bytes of the word before what is completed: "--engine=" */
     const pl_command *command; /* NULL: the word is the command */
-    pl_listed_option options[PL_MOST_OPTIONS]; /* (option_count) of the command */
+    pl_option options[PL_MOST_OPTIONS]; /* (option_count) of the command */
     int option_count;
     pl_texts arguments; /* of the command, before the word */
     bool offers;        /* a candidate has been printed */
@@ -69,10 +71,8 @@ static void pass_commas(completion *c)
 
 static void offer_commands(completion *c)
 {
-    int count;
-    const pl_command *const *commands = pl_commands(&count);
-    for (int i = 0; i < count; ++i) {
-        offer(c, commands[i]->name, "", commands[i]->summary);
+    for (int i = 0; i < c->command_count; ++i) {
+        offer(c, c->commands[i]->name, "", c->commands[i]->summary);
     }
 }
 
@@ -287,16 +287,15 @@ static const pl_option *option_of(const completion *c, const char *word, size_t 
         found = pl_option_find(c->options, c->option_count, word + 2, length - 2);
     }
     for (int i = 0; i < c->option_count && length == 2; ++i) {
-        found = c->options[i].option->letter == word[1] ? i : found;
+        found = c->options[i].letter == word[1] ? i : found;
     }
-    return found < 0 || c->options[found].option->argument == NULL ? NULL
-                                                                   : c->options[found].option;
+    return found < 0 || c->options[found].argument == NULL ? NULL : &c->options[found];
 }
 
 static void offer_options(completion *c)
 {
     for (int i = 0; i < c->option_count; ++i) {
-        offer(c, "--", c->options[i].option->name, c->options[i].help);
+        offer(c, "--", c->options[i].name, c->options[i].help);
     }
 }
 
@@ -333,12 +332,13 @@ static void complete_word(completion *c, int count, char *const *words)
     }
 }
 
-int pl_complete(int word_count, char *const *words)
+int pl_complete(const pl_command *const *commands, int command_count, int word_count,
+                char *const *words)
 {
-    int count;
-    const pl_command *const *commands = pl_commands(&count);
-    completion c = {.word = word_count > 0 ? words[word_count - 1] : ""};
-    for (int i = 0; i < count && word_count > 1; ++i) {
+    completion c = {.commands = commands,
+                    .command_count = command_count,
+                    .word = word_count > 0 ? words[word_count - 1] : ""};
+    for (int i = 0; i < command_count && word_count > 1; ++i) {
         c.command = strcmp(commands[i]->name, words[0]) == 0 ? commands[i] : c.command;
     }
     if (word_count <= 1) {

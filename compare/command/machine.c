@@ -1,4 +1,4 @@
-#include "machine.h"
+#include "command.h"
 
 #include "base/json_field.h"
 #include "base/statistics.h"

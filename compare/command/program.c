@@ -61,33 +61,6 @@ const pl_exit_meaning *pl_exit_meanings(int *count)
     return EXIT_MEANINGS;
 }
 
-#define COMMAND(name)
-#define STUDY(name) extern const pl_study pl_##name##_study;
-#include "commands.def"
-
-const pl_study *const *pl_studies(int *count)
-{
-    static const pl_study *const studies[] = {
-#define COMMAND(name)
-#define STUDY(name) &pl_##name##_study,
-#include "commands.def"
-    };
-    *count = (int)(sizeof studies / sizeof(const pl_study *));
-    return studies;
-}
-
-const pl_study *pl_study_find(const char *kind)
-{
-    int count = 0;
-    const pl_study *const *studies = pl_studies(&count);
-    for (int i = 0; i < count; ++i) {
-        if (strcmp(studies[i]->kind, kind) == 0) {
-            return studies[i];
-        }
-    }
-    return NULL;
-}
-
 /* The command of that name; NULL, after a message on behalf of `asker`, when there is none. */
 static const pl_command *find_command(const char *name, const char *asker, const char *otherwise)
 {
@@ -109,8 +82,10 @@ static int run_command(const pl_command *command, pl_call call)
 {
     char name[64];
     snprintf(name, sizeof name, "plumb %s", command->name);
+    pl_error error = {.message = ""};
     call.command = command;
     call.argv[0] = name;
+    call.error = &error;
     return command->run(&call);
 }
 
@@ -203,7 +178,7 @@ int pl_program(int argc, char **argv)
         return PL_EXIT_USAGE;
     }
     if (strcmp(argv[1], "__complete") == 0) {
-        return pl_complete(argc - 2, argv + 2);
+        return pl_complete(COMMANDS, COMMAND_COUNT, argc - 2, argv + 2);
     }
     const bool is_option = strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--version") == 0;
     const pl_command *command =

@@ -17,18 +17,6 @@
 
 static const double miss_allowed = 1.0 / 16;
 
-int pl_gate_cost_of(const char *name)
-{
-    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
-        const pl_metric_info *info = &pl_metric_table[i];
-        if (info->ratio != NULL &&
-            (strcmp(info->name, name) == 0 || strcmp(info->ratio, name) == 0)) {
-            return i;
-        }
-    }
-    return -1;
-}
-
 const char *pl_gate_label_of(const pl_gate_rows *rows, const pl_result_cell *cell)
 {
     return rows->results->configurations[cell->configuration].label;

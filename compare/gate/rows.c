@@ -116,6 +116,18 @@ pl_metric_summary pl_gate_cell_metric(const pl_result_cell *cell, const char *me
     return summary;
 }
 
+int pl_gate_cost_of(const char *name)
+{
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        const pl_metric_info *info = &pl_metric_table[i];
+        if (info->ratio != NULL &&
+            (strcmp(info->name, name) == 0 || strcmp(info->ratio, name) == 0)) {
+            return i;
+        }
+    }
+    return -1;
+}
+
 void pl_gate_rows_free(pl_gate_rows *rows)
 {
     for (int i = 0; i < rows->count; ++i) {
