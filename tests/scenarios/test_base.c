@@ -56,25 +56,14 @@ static void test_table_as_aligned_text(void **state)
 static void test_table_as_markdown(void **state)
 {
     (void)state;
-    pl_table table = {.last = 2, .missing = ""};
+    pl_table table = {.last = 2};
     fill(&table);
     check_format(&table, PL_TABLE_MARKDOWN,
                  "| engine | error, m | to 0.5 |\n|---|---:|---|\n"
-                 "| ode\\|é | 0.125 | &lt;ok&gt; |\n| b,c |  | <b>no</b> |\n");
+                 "| ode\\|é | 0.125 | &lt;ok&gt; |\n| b,c | - | <b>no</b> |\n");
     check_format(&table, PL_TABLE_MARKDOWN_PADDED,
                  "| engine | error, m | to 0.5    |\n|--------|---------:|-----------|\n"
-                 "| ode\\|é |    0.125 | <ok>      |\n| b,c    |          | <b>no</b> |\n");
-    pl_table_free(&table);
-}
-
-static void test_table_as_csv(void **state)
-{
-    (void)state;
-    pl_table table = {.missing = ""};
-    fill(&table);
-    check_format(&table, PL_TABLE_CSV,
-                 "engine,\"error, m\",to 0.5\r\node|é,0.125,<ok>\r\n\"b,c\",,<b>no</b>\r\n"
-                 "none,not run,\r\n");
+                 "| ode\\|é |    0.125 | <ok>      |\n| b,c    |        - | <b>no</b> |\n");
     pl_table_free(&table);
 }
 
@@ -85,7 +74,6 @@ static void test_empty_table_is_left_out(void **state)
     pl_table_columns(&table, "a|b");
     check_format(&table, PL_TABLE_TEXT, "");
     check_format(&table, PL_TABLE_MARKDOWN, "");
-    check_format(&table, PL_TABLE_CSV, "a,b\r\n");
     pl_table_free(&table);
 }
 
@@ -134,7 +122,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_table_as_aligned_text),
         cmocka_unit_test(test_table_as_markdown),
-        cmocka_unit_test(test_table_as_csv),
         cmocka_unit_test(test_empty_table_is_left_out),
         cmocka_unit_test(test_array_grows_and_keeps_items),
         cmocka_unit_test(test_hash_is_fnv1a),
