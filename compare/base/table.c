@@ -355,81 +355,32 @@ static void write_text(const pl_table *table, int first, int last, pl_text_buffe
 
 /* ---- Markdown ---- */
 
-/* What a call to pl_table_write uses. */
-typedef struct writer {
-    const pl_table *table;
-    pl_table_format format;
-    pl_text_buffer *out;
-    int *width; /* (column_count) in padded Markdown */
-} writer;
-
-/* Bars of a padded Markdown table, which are escaped. */
-static int count_bars(const char *text)
+static void write_markdown_row(const pl_table *table, int row, pl_text_buffer *out)
 {
-    int count = 0;
-    for (; *text != '\0'; ++text) {
-        count += *text == '|';
-    }
-    return count;
-}
-
-/* Of padded Markdown. */
-static int column_width(const pl_table *table, int column)
-{
-    int widest = 3;
-    for (int row = -1; row < pl_table_rows(table); ++row) {
-        const char *text = pl_table_text(table, row, column);
-        if (text != NULL && !pl_table_cell_at(table, row, column)->is_span) {
-            const int width = pl_text_width(text) + count_bars(text);
-            widest = width > widest ? width : widest;
-        }
-    }
-    return widest;
-}
-
-/* A cell of padded Markdown, in which only a bar would break the table. */
-static void add_padded(pl_text_buffer *out, const char *text, int width, pl_table_align align)
-{
-    const int spaces = width - pl_text_width(text) - count_bars(text);
-    pl_text_add_spaces(out, align == PL_RIGHT ? spaces : 0);
-    for (const char *c = text; *c != '\0'; ++c) {
-        pl_text_add(out, *c == '|' ? "\\" : "");
-        pl_text_add_bytes(out, (unsigned char)*c < 0x20 ? "?" : c, 1);
-    }
-    pl_text_add_spaces(out, align == PL_RIGHT ? 0 : spaces);
-}
-
-static void write_markdown_rule(const writer *w)
-{
-    for (int k = 0; k < w->table->column_count; ++k) {
-        const bool is_right = w->table->headings[k].align == PL_RIGHT;
-        pl_text_add(w->out, "|---");
-        for (int i = 3; w->format == PL_TABLE_MARKDOWN_PADDED && i < w->width[k] + 2 - is_right;
-             ++i) {
-            pl_text_add(w->out, "-");
-        }
-        pl_text_add(w->out, is_right ? ":" : "");
-    }
-    pl_text_add(w->out, "|\n");
-}
-
-static void write_markdown_row(const writer *w, int row)
-{
-    const pl_table *table = w->table;
     for (int k = 0; k < table->column_count; ++k) {
         const char *text = pl_table_text(table, row, k);
         text = text == NULL ? "" : text;
-        pl_text_add(w->out, "| ");
-        if (w->format == PL_TABLE_MARKDOWN_PADDED) {
-            add_padded(w->out, text, w->width[k], table->headings[k].align);
-        } else if (pl_table_cell_at(table, row, k)->is_markup) {
-            pl_text_add(w->out, text);
+        pl_text_add(out, "| ");
+        if (pl_table_cell_at(table, row, k)->is_markup) {
+            pl_text_add(out, text);
         } else {
-            pl_text_add_markdown(w->out, text);
+            pl_text_add_markdown(out, text);
         }
-        pl_text_add(w->out, " ");
+        pl_text_add(out, " ");
     }
-    pl_text_add(w->out, "|\n");
+    pl_text_add(out, "|\n");
+}
+
+static void write_markdown(const pl_table *table, int first, int last, pl_text_buffer *out)
+{
+    write_markdown_row(table, -1, out);
+    for (int k = 0; k < table->column_count; ++k) {
+        pl_text_add(out, table->headings[k].align == PL_RIGHT ? "|---:" : "|---");
+    }
+    pl_text_add(out, "|\n");
+    for (int row = first; row < last; ++row) {
+        write_markdown_row(table, row, out);
+    }
 }
 
 /* ---- Both ---- */
@@ -438,24 +389,9 @@ void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffe
 {
     const int rows = pl_table_rows(table);
     const int last = table->last == 0 || table->last > rows ? rows : table->last;
-    if (table->first >= last) {
-        return;
+    if (table->first < last) {
+        (format == PL_TABLE_TEXT ? write_text : write_markdown)(table, table->first, last, out);
     }
-    if (format == PL_TABLE_TEXT) {
-        write_text(table, table->first, last, out);
-        return;
-    }
-    int *width = pl_heap_new((size_t)table->column_count, sizeof *width);
-    for (int k = 0; k < table->column_count && format == PL_TABLE_MARKDOWN_PADDED; ++k) {
-        width[k] = column_width(table, k);
-    }
-    const writer w = {.table = table, .format = format, .out = out, .width = width};
-    write_markdown_row(&w, -1);
-    write_markdown_rule(&w);
-    for (int row = table->first; row < last; ++row) {
-        write_markdown_row(&w, row);
-    }
-    free(width);
 }
 
 void pl_table_print(pl_table *table, FILE *out)

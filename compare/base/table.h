@@ -19,9 +19,8 @@
 
 /* The format in which a table is written. */
 typedef enum pl_table_format {
-    PL_TABLE_TEXT,           /* aligned columns for a terminal */
-    PL_TABLE_MARKDOWN,       /* every cell escaped, so that it contains no markup */
-    PL_TABLE_MARKDOWN_PADDED /* aligned columns, for a terminal too; only '|' is escaped */
+    PL_TABLE_TEXT,    /* aligned columns for a terminal */
+    PL_TABLE_MARKDOWN /* every cell escaped, so that it contains no markup */
 } pl_table_format;
 
 /* Where the cells of a column stand. */
