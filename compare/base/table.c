@@ -383,14 +383,32 @@ static void write_markdown(const pl_table *table, int first, int last, pl_text_b
     }
 }
 
-/* ---- Both ---- */
+/* ---- CSV ---- */
+
+static void write_csv(const pl_table *table, int first, int last, pl_text_buffer *out)
+{
+    for (int row = -1; row < last; row = row < 0 ? first : row + 1) {
+        for (int k = 0; k < table->column_count; ++k) {
+            const char *text = pl_table_text(table, row, k);
+            pl_text_add(out, k == 0 ? "" : ",");
+            pl_text_add_csv(out, text == NULL ? "" : text);
+        }
+        pl_text_add(out, "\r\n");
+    }
+}
+
+/* ---- All ---- */
 
 void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffer *out)
 {
+    static void (*const writers[])(const pl_table *, int, int,
+                                   pl_text_buffer *) = {[PL_TABLE_TEXT] = write_text,
+                                                        [PL_TABLE_MARKDOWN] = write_markdown,
+                                                        [PL_TABLE_CSV] = write_csv};
     const int rows = pl_table_rows(table);
     const int last = table->last == 0 || table->last > rows ? rows : table->last;
     if (table->first < last) {
-        (format == PL_TABLE_TEXT ? write_text : write_markdown)(table, table->first, last, out);
+        writers[format](table, table->first, last, out);
     }
 }
 

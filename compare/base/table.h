@@ -1,5 +1,5 @@
 /* Tables. A table is filled cell by cell, row by row, and written as plain text with aligned
- * columns or as Markdown (GitHub Flavored Markdown 0.29, section 4.10).
+ * columns, as Markdown (GitHub Flavored Markdown 0.29, section 4.10) or as CSV (RFC 4180).
  *
  *     pl_table table = {0};
  *     pl_table_column(&table, PL_LEFT, "engine");
@@ -19,8 +19,9 @@
 
 /* The format in which a table is written. */
 typedef enum pl_table_format {
-    PL_TABLE_TEXT,    /* aligned columns for a terminal */
-    PL_TABLE_MARKDOWN /* every cell escaped, so that it contains no markup */
+    PL_TABLE_TEXT,     /* aligned columns for a terminal */
+    PL_TABLE_MARKDOWN, /* every cell escaped, so that it contains no markup */
+    PL_TABLE_CSV       /* lines end with CR LF */
 } pl_table_format;
 
 /* Where the cells of a column stand. */

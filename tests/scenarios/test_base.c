@@ -64,6 +64,17 @@ static void test_table_as_markdown(void **state)
     pl_table_free(&table);
 }
 
+static void test_table_as_csv(void **state)
+{
+    (void)state;
+    pl_table table = {0};
+    fill(&table);
+    check_format(&table, PL_TABLE_CSV,
+                 "engine,\"error, m\",to 0.5\r\node|é,0.125,<ok>\r\n\"b,c\",-,<b>no</b>\r\n"
+                 "none,not run,\r\n");
+    pl_table_free(&table);
+}
+
 static void test_empty_table_is_left_out(void **state)
 {
     (void)state;
@@ -119,6 +130,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_table_as_aligned_text),
         cmocka_unit_test(test_table_as_markdown),
+        cmocka_unit_test(test_table_as_csv),
         cmocka_unit_test(test_empty_table_is_left_out),
         cmocka_unit_test(test_array_grows_and_keeps_items),
         cmocka_unit_test(test_hash_is_fnv1a),
