@@ -11,18 +11,8 @@ int pl_compare_numbers(const void *left, const void *right)
 
 void pl_sort_numbers(double *values, int count)
 {
-    /* Most samples are a few repeats, for which insertion is faster than qsort. */
-    if (count > 16) {
+    if (count > 0) {
         qsort(values, (size_t)count, sizeof *values, pl_compare_numbers);
-        return;
-    }
-    for (int i = 1; i < count; ++i) {
-        double moved = values[i];
-        int place = i;
-        for (; place > 0 && moved < values[place - 1]; --place) {
-            values[place] = values[place - 1];
-        }
-        values[place] = moved;
     }
 }
 

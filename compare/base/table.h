@@ -21,7 +21,7 @@
 typedef enum pl_table_format {
     PL_TABLE_TEXT,     /* aligned columns for a terminal */
     PL_TABLE_MARKDOWN, /* every cell escaped, so that it contains no markup */
-    PL_TABLE_CSV       /* lines end as `line_end` says; a heading row is always written */
+    PL_TABLE_CSV       /* lines end with CR LF */
 } pl_table_format;
 
 /* Where the cells of a column stand. */
@@ -49,14 +49,12 @@ typedef struct pl_table {
     int cell_count;
     pl_text_buffer texts; /* of headings and cells, each with its zero */
 
-    int first, last;      /* the rows to write, [first, last); last = 0: all. A table with no row to
-                           * write is left out, except as CSV */
-    int indent;           /* text: spaces before each line */
-    int line_width;       /* text: a wider table is folded to it; 0: no limit */
-    int keys;             /* text: the first columns that name a row; 0 counts as 1 */
-    bool colour;          /* text: colours by style, by escape sequences */
-    const char *line_end; /* CSV: "\r\n" where it is NULL */
-    const char *missing;  /* for a number that is not finite; "-" where it is NULL */
+    int first, last; /* the rows to write, [first, last); last = 0: all. A table with no row to
+                           * write is left out */
+    int indent;      /* text: spaces before each line */
+    int line_width;  /* text: a wider table is folded to it; 0: no limit */
+    int keys;        /* text: the first columns that name a row; 0 counts as 1 */
+    bool colour;     /* text: colours by style, by escape sequences */
 } pl_table;
 
 /* Frees all that the table has; it is then as at the start. */
@@ -81,7 +79,7 @@ __attribute__((format(printf, 2, 3)))
 #endif
 void pl_table_format_cell(pl_table *table, const char *format, ...);
 
-/* Adds the next cell, with a number of `digits` significant digits ("%.*g"). */
+/* Adds the next cell, with a number of `digits` significant digits ("%.*g"); "-" where it is not finite. */
 void pl_table_number(pl_table *table, double value, int digits);
 
 /* Adds a cell that is already Markdown, and is not escaped when written as such. */
@@ -104,14 +102,11 @@ const pl_table_cell *pl_table_cell_at(const pl_table *table, int row, int column
  * next change of the table. */
 const char *pl_table_text(const pl_table *table, int row, int column);
 
-/* Appends the table to `out`. Columns of text are as wide as all rows need, so that parts of one
+/* Appends the table to `out`. Text that is wider than its line_width is folded, and nothing is cut off: headings and
+ * texts are broken into several lines, and where that is not enough, the columns are written in groups, one below the
+ * other, each after the columns that name a row. Columns of text are as wide as all rows need, so that parts of one
  * table line up. */
 void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffer *out);
-
-/* What pl_table_write does for text (table_text.c), of the rows [first, last). A table that is wider than its
- * line_width is folded, and nothing is cut off: headings and texts are broken into several lines, and where that is
- * not enough, the columns are written in groups, one below the other, each after the columns that name a row. */
-void pl_table_write_text(const pl_table *table, int first, int last, pl_text_buffer *out);
 
 /* Writes the table as text that fits the window of a stream. */
 void pl_table_print(pl_table *table, FILE *out);

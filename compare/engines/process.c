@@ -30,23 +30,6 @@ double pl_monotonic_seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-void pl_file_field(const char *path, const char *key, char *text, size_t size)
-{
-    char line[512];
-    text[0] = '\0';
-    FILE *file = fopen(path, "re");
-    while (file != NULL && text[0] == '\0' && fgets(line, sizeof line, file) != NULL) {
-        if (strncmp(line, key, strlen(key)) == 0) {
-            const char *value = line + strlen(key);
-            value += strspn(value, " \t:=\"");
-            snprintf(text, size, "%.*s", (int)strcspn(value, "\"\n"), value);
-        }
-    }
-    if (file != NULL) {
-        fclose(file);
-    }
-}
-
 void *pl_shared_new(size_t size)
 {
     void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);

@@ -61,10 +61,6 @@ typedef struct pl_process {
 /* Zeroed memory that processes which are forked later share with this one. The caller unmaps it. */
 void *pl_shared_new(size_t size);
 
-/* The text after `key` and any of " \t:=\"" in the first line of `path` that begins with `key`, without a closing
- * quote: "VmRSS" of "VmRSS:  12 kB" is "12 kB". Empty when there is none. */
-void pl_file_field(const char *path, const char *key, char *text, size_t size);
-
 /* Seconds of a clock that is never set. */
 double pl_monotonic_seconds(void);
 
@@ -101,7 +97,11 @@ void pl_process_kill(pl_process *process);
 /* Frees what an ended process holds. */
 void pl_process_free(pl_process *process);
 
-/* ---- The supervisor (supervisor.c) ---- */
+/* ---- The supervisor (supervisor.c), and what it reads of /proc ---- */
+
+/* The text after `key` and any of " \t:=\"" in the first line of `path` that begins with `key`, without a closing
+ * quote: "VmRSS" of "VmRSS:  12 kB" is "12 kB". Empty when there is none. */
+void pl_file_field(const char *path, const char *key, char *text, size_t size);
 
 /* In a child of the harness, to be called first: makes it a supervisor, in a session of its own. It ends at once where
  * `parent`, the harness, has ended already. */

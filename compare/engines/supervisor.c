@@ -6,10 +6,28 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
+
+void pl_file_field(const char *path, const char *key, char *text, size_t size)
+{
+    char line[512];
+    text[0] = '\0';
+    FILE *file = fopen(path, "re");
+    while (file != NULL && text[0] == '\0' && fgets(line, sizeof line, file) != NULL) {
+        if (strncmp(line, key, strlen(key)) == 0) {
+            const char *value = line + strlen(key);
+            value += strspn(value, " \t:=\"");
+            snprintf(text, size, "%.*s", (int)strcspn(value, "\"\n"), value);
+        }
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+}
 
 /* How long a process that SIGKILL does not end is waited for: one of another user, or in the kernel. */
 static const time_t PATIENCE = 5; /* s */

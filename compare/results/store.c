@@ -365,7 +365,7 @@ pl_status pl_store_open(const char *directory, pl_store_mode mode, const char *c
     if (status == PL_OK && mode == PL_STORE_NEW) {
         status = check_others(directory, others, error);
         if (status != PL_OK) {
-            pl_store_remove(made, false);
+            unlink(made->path);
         }
     }
     if (status != PL_OK) {
@@ -384,14 +384,6 @@ pl_store_mode pl_store_mode_of(bool resume, bool force)
 void pl_store_finish(pl_store *store)
 {
     unlink(store->replaced);
-}
-
-void pl_store_remove(pl_store *store, bool replaced)
-{
-    if (replaced) {
-        unlink(store->replaced);
-    }
-    unlink(store->path);
 }
 
 void pl_store_close(pl_store *store)

@@ -58,9 +58,6 @@ pl_status pl_store_open(const char *directory, pl_store_mode mode, const char *c
 /* The file is complete: one that it replaces is removed. */
 void pl_store_finish(pl_store *store);
 
-/* Removes the file, and with `replaced` what it replaces too. */
-void pl_store_remove(pl_store *store, bool replaced);
-
 /* Closes the file; NULL is allowed. A file that it should replace comes back if nothing was written. */
 void pl_store_close(pl_store *store);
 

@@ -2,10 +2,10 @@
 
 #include "base/heap.h"
 #include "base/parallel.h"
-#include "isolated_run.h"
 #include "progress.h"
 #include "recording.h"
 #include "results/result.h"
+#include "run_once.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -98,7 +98,7 @@ static json_t *recall(const pl_execution_def *def, const char *run)
     if (result == NULL || !def->needs_positions) {
         return result;
     }
-    char *path = pl_positions_path(def->positions, run);
+    char *path = pl_run_file(def->positions, run, "positions");
     const bool is_whole = access(path, R_OK) == 0;
     free(path);
     return is_whole ? result : NULL;
@@ -127,24 +127,14 @@ long pl_execution_due(const pl_execution_def *def)
     return mark_due(def, NULL);
 }
 
-char *pl_positions_path(const char *folder, const char *run)
-{
-    return pl_heap_format("%s/%s.positions", folder, run);
-}
-
 /* Chooses the paths where the slot's run writes its positions and its recording, if it does. */
-static void place_files(const execution *e, slot *s, const json_t *identity)
+static void place_files(const execution *e, slot *s, const char *run)
 {
+    const char *recordings = e->def->recordings, *positions = e->def->positions;
     free(s->positions);
     free(s->recording);
-    s->positions = s->recording = NULL;
-    if (e->def->recordings != NULL) {
-        s->recording =
-            pl_recording_path(e->def->recordings, pl_json_get_text(identity, "run"), true);
-    }
-    if (e->def->positions != NULL) {
-        s->positions = pl_positions_path(e->def->positions, pl_json_get_text(identity, "run"));
-    }
+    s->recording = recordings == NULL ? NULL : pl_run_file(recordings, run, "raw");
+    s->positions = positions == NULL ? NULL : pl_run_file(positions, run, "positions");
 }
 
 /* The scene of a case, built in the slot where the plan does not keep it. */
@@ -230,7 +220,7 @@ static pl_status start(execution *e, slot *s, const pl_planned_run *planned, jso
 {
     const pl_engine_choice *choice = &planned->configuration->choice;
     const pl_scene *scene = NULL;
-    place_files(e, s, identity);
+    place_files(e, s, pl_json_get_text(identity, "run"));
     pl_status status = place_scene(e, s, planned->test_case, &scene, error);
     if (status != PL_OK) {
         return status;

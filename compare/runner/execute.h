@@ -39,9 +39,6 @@ typedef struct pl_execution_def {
     pl_status (*take)(void *user, json_t *result, pl_error *error);
 } pl_execution_def;
 
-/* The path in that folder of the positions of the run with this hash: malloc'd. */
-char *pl_positions_path(const char *folder, const char *run);
-
 /* Counts the runs that are to be made: those that are not skipped, and that the store does not have. */
 long pl_execution_due(const pl_execution_def *def);
 

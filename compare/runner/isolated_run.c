@@ -1,4 +1,4 @@
-#include "isolated_run.h"
+#include "run_once.h"
 
 #include "adapters/process/channel.h"
 #include "base/json_field.h"

@@ -154,26 +154,22 @@ pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
     return status == PL_OK ? add_case(plan, &test_case, scenario->name, error) : status;
 }
 
-void pl_settings_make(const pl_scenario *scenario, const double *values, pl_settings *settings)
-{
-    settings->count = 0;
-    for (int i = 0; i < scenario->param_count; ++i) {
-        if (!isnan(values[i])) {
-            char *text = settings->texts[settings->count];
-            snprintf(text, sizeof settings->texts[0], "%s=%.17g", scenario->params[i].name,
-                     values[i]);
-            settings->items[settings->count++] = text;
-        }
-    }
-}
-
 pl_status pl_plan_add_values(pl_plan *plan, const pl_scenario *scenario, const double *values,
                              int *index, pl_error *error)
 {
-    pl_settings settings;
-    pl_settings_make(scenario, values, &settings);
+    char texts[PL_MAX_PARAMS][PL_NAME_SIZE + 32]; /* exact; NAN: none */
+    const char *settings[PL_MAX_PARAMS];
+    int count = 0;
+    for (int i = 0; i < scenario->param_count; ++i) {
+        if (!isnan(values[i])) {
+            snprintf(texts[count], sizeof texts[count], "%s=%.17g", scenario->params[i].name,
+                     values[i]);
+            settings[count] = texts[count];
+            ++count;
+        }
+    }
     const int before = plan->case_count;
-    pl_status status = pl_plan_add_scenario(plan, scenario, settings.items, settings.count, error);
+    pl_status status = pl_plan_add_scenario(plan, scenario, settings, count, error);
     if (index != NULL) {
         *index = plan->case_count > before ? before : -1;
         for (int i = 0; i < before && status == PL_OK && *index < 0; ++i) {

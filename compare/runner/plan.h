@@ -83,16 +83,6 @@ pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
 pl_status pl_plan_add_values(pl_plan *plan, const pl_scenario *scenario, const double *values,
                              int *index, pl_error *error);
 
-/* Settings "NAME=VALUE" of the parameters of a scenario, exact. */
-typedef struct pl_settings {
-    char texts[PL_MAX_PARAMS][PL_NAME_SIZE + 32];
-    const char *items[PL_MAX_PARAMS]; /* (count): the texts */
-    int count;
-} pl_settings;
-
-/* Writes the settings of `values`, one for each parameter that is not NAN. */
-void pl_settings_make(const pl_scenario *scenario, const double *values, pl_settings *settings);
-
 /* Adds an engine by its SPEC. A configuration that the plan already has is not added again; another
  * one of the same label is PL_BAD_INPUT, because their rows could not be distinguished. */
 pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error);

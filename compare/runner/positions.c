@@ -1,9 +1,9 @@
 #include "positions.h"
 
 #include "base/heap.h"
+#include "recording.h"
 #include "referee/geometry/solid.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdint.h>
@@ -138,18 +138,6 @@ void pl_positions_close(pl_positions_reader *reader)
 
 void pl_positions_clear(const char *folder)
 {
-    static const char ending[] = ".positions";
-    DIR *directory = opendir(folder);
-    for (const struct dirent *entry = NULL;
-         directory != NULL && (entry = readdir(directory)) != NULL;) {
-        const size_t length = strlen(entry->d_name);
-        if (length > strlen(ending) &&
-            strcmp(entry->d_name + length - strlen(ending), ending) == 0) {
-            unlinkat(dirfd(directory), entry->d_name, 0);
-        }
-    }
-    if (directory != NULL) {
-        closedir(directory);
-        rmdir(folder);
-    }
+    pl_run_files_remove(folder, "positions", NULL);
+    rmdir(folder);
 }

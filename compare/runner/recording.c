@@ -148,12 +148,12 @@ void pl_recorder_end(pl_recorder *recorder)
     *recorder = (pl_recorder){.file = NULL};
 }
 
-char *pl_recording_path(const char *folder, const char *run, bool raw)
+char *pl_run_file(const char *folder, const char *run, const char *ending)
 {
-    return pl_heap_format("%s/%s.%s", folder, run, raw ? "raw" : "json");
+    return pl_heap_format("%s/%s.%s", folder, run, ending);
 }
 
-void pl_recordings_remove(const char *folder, const json_t *kept)
+void pl_run_files_remove(const char *folder, const char *ending, const json_t *kept)
 {
     DIR *directory = opendir(folder);
     const struct dirent *entry;
@@ -161,12 +161,18 @@ void pl_recordings_remove(const char *folder, const json_t *kept)
         const char *name = entry->d_name;
         char run[17];
         snprintf(run, sizeof run, "%.16s", name);
-        if (strspn(name, "0123456789abcdef") == 16 && json_object_get(kept, run) == NULL &&
-            (strcmp(name + 16, ".json") == 0 || strcmp(name + 16, ".raw") == 0)) {
+        if (strspn(name, "0123456789abcdef") == 16 && name[16] == '.' &&
+            strcmp(name + 17, ending) == 0 && json_object_get(kept, run) == NULL) {
             unlinkat(dirfd(directory), name, 0);
         }
     }
     if (directory != NULL) {
         closedir(directory);
     }
+}
+
+void pl_recordings_remove(const char *folder, const json_t *kept)
+{
+    pl_run_files_remove(folder, "json", kept);
+    pl_run_files_remove(folder, "raw", kept);
 }

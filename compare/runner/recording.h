@@ -49,8 +49,12 @@ void pl_recorder_step(pl_recorder *recorder, const pl_recorded_step *seen);
 /* Frees the recorder; {0} is allowed. */
 void pl_recorder_end(pl_recorder *recorder);
 
-/* The path in that folder of the raw file, or of the recording, of the run with this hash: malloc'd. */
-char *pl_recording_path(const char *folder, const char *run, bool raw);
+/* The path in that folder of a file of the run with this hash, whose name ends with "positions", or "raw" or "json" of
+ * its recording: malloc'd. */
+char *pl_run_file(const char *folder, const char *run, const char *ending);
+
+/* Removes the files of that ending of a folder, but for those of the runs in the set `kept`; NULL: none. */
+void pl_run_files_remove(const char *folder, const char *ending, const json_t *kept);
 
 /* Removes the recordings and raw files of a folder, and nothing else, but for those of the runs in the
  * set `kept`; NULL: none. */

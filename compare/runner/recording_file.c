@@ -408,7 +408,7 @@ pl_status pl_recording_finish(const char *folder, const char *run, const pl_scen
 {
     static const pl_file_kind kind = {.noun = "recording", .most_bytes = (size_t)1 << 31};
     work w = {.scene = scene, .run = run};
-    char *raw = pl_recording_path(folder, run, true), *path = pl_recording_path(folder, run, false);
+    char *raw = pl_run_file(folder, run, "raw"), *path = pl_run_file(folder, run, "json");
     char *text = NULL;
     size_t length = 0;
     pl_status status = access(raw, F_OK) != 0 ? PL_OK /* it ended before its first frame */

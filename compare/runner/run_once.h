@@ -1,9 +1,10 @@
 /* One run in this process: create, check the parameters, step and measure, destroy. An engine that
- * crashes ends the process: isolated_run.h makes the run in another one. */
+ * crashes ends the process: isolated_run.c makes the run in another one. */
 #ifndef PLUMB_RUN_ONCE_H
 #define PLUMB_RUN_ONCE_H
 
 #include "adapters/contact_problems.h"
+#include "engines/process.h"
 #include "results/result.h"
 #include "session.h"
 
@@ -37,7 +38,7 @@ typedef struct pl_run_def {
     long positions_stride;     /* steps from one of its samples to the next; 0: the default */
     const pl_capture *capture; /* NULL: none; otherwise the engine exports contact problems */
     /* s of CPU time: a run of which create, steps and reads have taken more is not gone on with. A
-     * call that does not return is ended by isolated_run.h. 0: no limit */
+     * call that does not return is ended by isolated_run.c. 0: no limit */
     double cpu_limit;
     /* Bytes that the process may take from the loading of the engine on: what the harness has then is
      * not the engine's. 0: no limit but that of the process */
@@ -52,5 +53,43 @@ typedef struct pl_run_def {
 pl_status pl_run_once(const pl_run_def *def,
                       pl_status (*report)(const pl_run_result *result, void *user, pl_error *error),
                       void *user, pl_error *error);
+
+/* ---- A run in a process of its own, and its result (isolated_run.c): an engine that aborts, hangs, exits, prints or
+ * takes too much memory gives a result like any other. ---- */
+
+/* A run in progress. */
+typedef struct pl_isolated_run {
+    pl_process process;
+    pl_limits limits;
+    pl_run_def def; /* its watch is shared with the child */
+    json_t *identity;
+    char started[32];
+    /* The call of the engine that was last seen in progress, and the CPU time of the process then. */
+    int call;
+    long call_step;
+    double call_cpu_time; /* s */
+    bool is_over_limit;   /* a call took more than the limit of CPU time */
+} pl_isolated_run;
+
+/* Starts the run. `def` is copied, its `watch`, `cpu_limit` and `memory_limit` are not used; what it points to
+ * must outlive the run. Takes its own reference of `identity`. */
+pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, json_t *identity,
+                                const pl_limits *limits, pl_error *error);
+
+/* Looks at the run, and ends it when one call of the engine has taken more than the limit of CPU
+ * time. To be called from time to time while the run has such a limit. (A timer of CPU time in the
+ * process itself would make Linux count its CPU time in ticks of the scheduler.) */
+void pl_isolated_run_look(pl_isolated_run *run);
+
+/* After pl_process_advance said that the process has ended: its plumb.result/1, a new reference.
+ * PL_IO when the run itself could not be made. Frees the run in any case. */
+pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_t **result,
+                                 pl_error *error);
+
+/* Kills the process, and frees the run. */
+void pl_isolated_run_cancel(pl_isolated_run *run);
+
+/* The part of its steps that is done, 0 .. 1. */
+double pl_isolated_run_progress(const pl_isolated_run *run);
 
 #endif

@@ -1,6 +1,6 @@
 /* An engine at work in this process: every call to an engine goes through here. Each call is timed
  * where that is wanted, and the floating-point environment is restored after it. A session crashes
- * with its engine: isolated_run.h makes a run in a process of its own. */
+ * with its engine: isolated_run.c makes a run in a process of its own. */
 #ifndef PLUMB_SESSION_H
 #define PLUMB_SESSION_H
 

@@ -4,6 +4,7 @@
 #include "plumb_process.h"
 #include "runner/execute.h"
 #include "runner/positions.h"
+#include "runner/recording.h"
 #include "studies/ensemble/horizon.h"
 #include "studies/ensemble/members.h"
 
@@ -82,8 +83,8 @@ static void write_member(const fixture *f, int member, double speed, long steps)
     memset(states, 0, sizeof states);
     assert_true(scene->body_count <= 8);
     json_t *runs = pl_member_runs(&f->plan, &f->ensembles, ensemble);
-    char *path =
-        pl_positions_path(f->folder, json_string_value(json_array_get(runs, (size_t)member)));
+    char *path = pl_run_file(f->folder, json_string_value(json_array_get(runs, (size_t)member)),
+                             "positions");
     json_decref(runs);
     assert_int_equal(pl_positions_create(path, scene, 0, &writer, NULL), PL_OK);
     for (long step = 0; step <= steps; ++step) {

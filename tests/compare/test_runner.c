@@ -4,7 +4,6 @@
 #include "engines/process.h"
 #include "plumb_process.h"
 #include "runner/engine_values.h"
-#include "runner/isolated_run.h"
 #include "runner/plan.h"
 #include "runner/progress.h"
 #include "runner/resource_usage.h"

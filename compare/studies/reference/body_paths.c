@@ -1,8 +1,8 @@
 #include "body_paths.h"
 
 #include "base/heap.h"
-#include "runner/execute.h"
 #include "runner/positions.h"
+#include "runner/recording.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,7 +25,7 @@ pl_body_paths pl_body_paths_read(const char *folder, const char *run, const pl_s
     pl_positions_reader reader;
     pl_body_paths paths = {.bodies = pl_positions_bodies(scene)};
     const size_t row = 3 * (size_t)paths.bodies;
-    char *path = pl_positions_path(folder, run);
+    char *path = pl_run_file(folder, run, "positions");
     const bool is_open = pl_positions_open(path, &reader);
     free(path);
     if (!is_open || reader.bodies != paths.bodies || reader.interval != interval) {
