@@ -395,7 +395,6 @@ static void write_csv(const pl_table *table, int first, int last, pl_text_buffer
         }
         pl_text_add(out, "\r\n");
     }
-    pl_text_add(out, table->line_end == NULL ? "\r\n" : table->line_end);
 }
 
 /* ---- All ---- */
@@ -408,7 +407,7 @@ void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffe
                                                         [PL_TABLE_CSV] = write_csv};
     const int rows = pl_table_rows(table);
     const int last = table->last == 0 || table->last > rows ? rows : table->last;
-    if (table->first < last) {
+    if (table->first < last || format == PL_TABLE_CSV) {
         writers[format](table, table->first, last, out);
     }
 }

@@ -21,7 +21,7 @@
 typedef enum pl_table_format {
     PL_TABLE_TEXT,     /* aligned columns for a terminal */
     PL_TABLE_MARKDOWN, /* every cell escaped, so that it contains no markup */
-    PL_TABLE_CSV       /* lines end with CR LF */
+    PL_TABLE_CSV       /* lines end with CR LF; the headings are always written */
 } pl_table_format;
 
 /* Where the cells of a column stand. */
