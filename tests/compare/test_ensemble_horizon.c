@@ -4,7 +4,7 @@
 #include "plumb_process.h"
 #include "runner/execute.h"
 #include "runner/positions.h"
-#include "studies/ensemble/horizon.h"
+#include "studies/ensemble/sample.h"
 #include "studies/ensemble/members.h"
 
 #include <math.h>
