@@ -31,9 +31,10 @@ static pl_status check(void *user, pl_error *error)
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
-    const int code = pl_study_main(
-        call, &(pl_study_work){
-                  .study = &pl_metamorphic_study, .user = &o, .plan = make_plan, .run = make_runs});
+    const int code = pl_study_main(call, &(pl_study_work){.study = &pl_metamorphic_study,
+                                                          .options = &o,
+                                                          .plan = make_plan,
+                                                          .run = make_runs});
     free(o.chosen);
     free(o.checks.items);
     return code;

@@ -212,7 +212,7 @@ static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default(), .tolerance = (double)NAN};
     const pl_study_work work = {.study = &pl_threshold_study,
-                                .user = &o,
+                                .options = &o,
                                 .plan = make_plan,
                                 .run = make_runs,
                                 .nothing = "there is no engine to search on"};
