@@ -49,6 +49,10 @@ char *pl_study_key(const json_t *result, const char *const *paths);
  * reference. */
 json_t *pl_study_groups(const json_t *items, const char *const *paths);
 
+/* Adds to the document what `add` says of each of these groups. */
+void pl_study_add_groups(pl_document *document, const json_t *items, const char *const *paths,
+                         void (*add)(pl_document *document, const json_t *group));
+
 /* A new object with what a result says of its scene, its engine and its settings: the keys that all runs of a search
  * share, and the keys `more` (up to a NULL). */
 json_t *pl_study_row(const json_t *result, const char *const *more);
