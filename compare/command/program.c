@@ -4,6 +4,7 @@
 #include "base/folding.h"
 #include "base/heap.h"
 #include "base/program_name.h"
+#include "study_command.h"
 
 #include <argp.h>
 #include <fcntl.h>
@@ -60,10 +61,6 @@ const pl_exit_meaning *pl_exit_meanings(int *count)
     *count = EXIT_COUNT;
     return EXIT_MEANINGS;
 }
-
-#define COMMAND(name)
-#define STUDY(name) extern const pl_study pl_##name##_study;
-#include "commands.def"
 
 const pl_study *const *pl_studies(int *count)
 {

@@ -143,7 +143,8 @@ int pl_study_main(const pl_call *call, const pl_study_work *work)
 {
     pl_request *request = work->options;
     pl_error error = {.message = ""};
-    pl_plan plan = {.repeats = 1};
+    json_t *named = json_pack("{s:s}", "name", work->study->name);
+    pl_plan plan = {.repeats = 1, .study = work->plan == NULL ? named : NULL};
     request->out = work->study->name;
     pl_call_parse(call, request);
     pl_call_check(call,
@@ -156,6 +157,7 @@ int pl_study_main(const pl_call *call, const pl_study_work *work)
             : pl_call_nothing(call, work->nothing == NULL ? "there is nothing to compare"
                                                           : work->nothing);
     pl_plan_free(&plan);
+    json_decref(named);
     pl_request_free(request);
     return code;
 }

@@ -7,11 +7,17 @@
 #include "runner/execute.h"
 #include "studies/study.h"
 
+/* All studies, each in its folder. */
+#define COMMAND(name)
+#define STUDY(name) extern const pl_study pl_##name##_study;
+#include "commands.def"
+
 /* What the command of a study adds to what all have. A callback that is NULL does what all do. */
 typedef struct pl_study_work {
     const pl_study *study;
     void *options; /* of the command, which begin with a pl_request; for the callbacks */
-    /* Adds the cases and the engines to the plan, which has none. NULL: pl_request_plan. */
+    /* Adds the cases and the engines to the plan, which has none. NULL: pl_request_plan, of runs whose `study` is the name
+     * alone. */
     pl_status (*plan)(void *options, const pl_call *call, pl_plan *plan, pl_error *error);
     const char
         *nothing; /* the message where no run is planned; NULL: "there is nothing to compare" */
