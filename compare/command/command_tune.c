@@ -140,10 +140,8 @@ const pl_command pl_command_tune = {
         "the errors if possible. The cost is the CPU time of the engine's steps for a simulated "
         "second, divided by that of the default settings at the scenarios' own time step; the "
         "geometric mean over the scenarios counts. Options that --engine sets are not tuned. "
-        "--seed "
-        "also seeds the search. The settings are then validated on changed scenarios that they "
-        "were "
-        "not tuned on.",
+        "--seed also seeds the search. The settings are then validated on changed scenarios that "
+        "they were not tuned on.",
     .notes =
         "Exits with 3 when no settings found meet the target. DIR/ENGINE.profile.json holds the "
         "settings; with PLUMB_PROFILES=FILE or --profiles FILE, --engine ENGINE:tuned selects "

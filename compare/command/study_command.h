@@ -12,7 +12,7 @@
 #define STUDY(name) extern const pl_study pl_##name##_study;
 #include "commands.def"
 
-/* What the command of a study adds to what all have. A callback that is NULL does what all do. */
+/* The command of a study. Where a callback is NULL, the command does what most do. */
 typedef struct pl_study_work {
     const pl_study *study;
     void *options; /* of the command, which begin with a pl_request; for the callbacks */
