@@ -4,8 +4,8 @@
 #include "plumb_process.h"
 #include "runner/execute.h"
 #include "runner/positions.h"
-#include "studies/ensemble/sample.h"
 #include "studies/ensemble/members.h"
+#include "studies/ensemble/sample.h"
 
 #include <math.h>
 #include <stdlib.h>
