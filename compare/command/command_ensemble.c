@@ -129,7 +129,7 @@ static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default(), .members = 16};
     const pl_study_work work = {.study = &pl_ensemble_study,
-                                .user = &o,
+                                .options = &o,
                                 .plan = make_plan,
                                 .run = make_runs,
                                 .finish = finish};

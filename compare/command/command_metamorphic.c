@@ -31,9 +31,10 @@ static pl_status check(void *user, pl_error *error)
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
-    const int code = pl_study_main(
-        call, &(pl_study_work){
-                  .study = &pl_metamorphic_study, .user = &o, .plan = make_plan, .run = make_runs});
+    const int code = pl_study_main(call, &(pl_study_work){.study = &pl_metamorphic_study,
+                                                          .options = &o,
+                                                          .plan = make_plan,
+                                                          .run = make_runs});
     free(o.chosen);
     free(o.checks.items);
     return code;
@@ -62,15 +63,12 @@ const pl_command pl_command_metamorphic = {
         "mirrored, moved, scaled (length s, mass s^3, time sqrt(s)), with its bodies in another "
         "order, with a copy of everything 1e4 times its size away, a second time, with a new "
         "instance from half time on, with each static box split in two flush boxes or made a "
-        "closed "
-        "mesh, and with a start that lies a fraction of a step later on the same motion. A check "
-        "that "
-        "does not apply to a scene, or whose scene the engine does not support, says why. Prints "
-        "how far each, mapped back, is from the first at a "
-        "tenth "
-        "of the run and at its end: bitwise; exact, to 1e-9 of the scene's size and 1e-9 rad; "
-        "close, to 1e-3; differs; or failed, where a run did not reach its end. A difference is a "
-        "finding; the command still exits with 0.",
+        "closed mesh, and with a start that lies a fraction of a step later on the same motion. A "
+        "check that does not apply to a scene, or whose scene the engine does not support, says "
+        "why. Prints how far each, mapped back, is from the first at a tenth of the run and at its "
+        "end: bitwise; exact, to 1e-9 of the scene's size and 1e-9 rad; close, to 1e-3; differs; "
+        "or failed, where a run did not reach its end. A difference is a finding; the command "
+        "still exits with 0.",
     .notes = "Examples:\n"
              "  plumb metamorphic tower --set n=10\n"
              "  plumb metamorphic wall-collapse --engine plumb --check order --check far\n"

@@ -212,7 +212,7 @@ static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default(), .tolerance = (double)NAN};
     const pl_study_work work = {.study = &pl_threshold_study,
-                                .user = &o,
+                                .options = &o,
                                 .plan = make_plan,
                                 .run = make_runs,
                                 .nothing = "there is no engine to search on"};
@@ -247,11 +247,9 @@ const pl_command pl_command_threshold = {
     .arguments = "SCENARIO|SCENE.json...",
     .description =
         "Bisects the critical value of a parameter of a scenario or a scene file on every engine: "
-        "on one side of it "
-        "the scene holds (outcome ok), on the other it does not (collapsed). Each trial is a run "
-        "in "
-        "a process of its own. An engine that holds at both ends of the search, or at neither, or "
-        "that fails, is a row of the table; the command still succeeds.",
+        "on one side of it the scene holds (outcome ok), on the other it does not (collapsed). "
+        "Each trial is a run in a process of its own. An engine that holds at both ends of the "
+        "search, or at neither, or that fails, is a row of the table; the command still succeeds.",
     .notes = "Examples:\n"
              "  plumb threshold slope-threshold --set friction=0.5\n"
              "  plumb threshold slope-threshold slope-tip --engine plumb --engine ode:quick\n"

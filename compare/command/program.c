@@ -4,6 +4,7 @@
 #include "base/folding.h"
 #include "base/heap.h"
 #include "base/program_name.h"
+#include "study_command.h"
 
 #include <argp.h>
 #include <fcntl.h>

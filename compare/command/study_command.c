@@ -10,70 +10,53 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Writes DIRECTORY/NAME.SUFFIX. */
-static pl_status write_file(const char *directory, const pl_study *study, const char *suffix,
-                            const char *text, pl_error *error)
-{
-    char *path = pl_heap_format("%s/%s.%s", directory, study->name, suffix);
-    const pl_status status = pl_write_text(path, text, strlen(text), error);
-    free(path);
-    return status;
-}
-
-static pl_status write_page(const char *directory, const pl_study *study,
-                            const pl_document *document, pl_error *error)
-{
-    json_t *data = pl_document_json(document);
-    const pl_status status = pl_study_page_write(directory, study->name, "document", data, error);
-    json_decref(data);
-    return status;
-}
-
 pl_status pl_study_write_page(const char *directory, const pl_study *study,
                               const json_t *conclusion, pl_error *error)
 {
     pl_document document = {.title = study->name};
     study->document(conclusion, &document);
-    const pl_status status = write_page(directory, study, &document, error);
+    json_t *data = pl_document_json(&document);
+    const pl_status status = pl_study_page_write(directory, study->name, "document", data, error);
+    json_decref(data);
     pl_document_free(&document);
     return status;
 }
 
-/* NAME.json, NAME.md, NAME.csv and NAME.html. */
-static pl_status write_files(const pl_request *request, const pl_study *study,
-                             const json_t *conclusion, const pl_document *document, pl_error *error)
+/* Writes a text, which it frees, into DIRECTORY/NAME.SUFFIX. */
+static pl_status write_file(const char *directory, const pl_study *study, const char *suffix,
+                            char *text, pl_error *error)
 {
-    char *path = pl_heap_format("%s/%s.json", request->out, study->name);
-    char *markdown = pl_document_markdown(document);
-    char *csv = pl_document_csv(document);
-    pl_status status = pl_results_write_json(path, conclusion, error);
-    if (status == PL_OK) {
-        status = write_file(request->out, study, "md", markdown, error);
-    }
-    if (status == PL_OK) {
-        status = write_file(request->out, study, "csv", csv, error);
-    }
-    if (status == PL_OK) {
-        status = write_page(request->out, study, document, error);
-    }
+    char *path = pl_heap_format("%s/%s.%s", directory, study->name, suffix);
+    const pl_status status = pl_write_text(path, text, strlen(text), error);
     free(path);
-    free(markdown);
-    free(csv);
+    free(text);
     return status;
 }
 
 pl_status pl_study_write(const pl_request *request, const pl_study *study, const json_t *conclusion,
                          pl_error *error)
 {
+    const char *out = request->out;
     pl_document document = {.title = study->name};
     study->document(conclusion, &document);
-    const pl_status status = write_files(request, study, conclusion, &document, error);
+    char *json = pl_heap_format("%s/%s.json", out, study->name);
+    pl_status status = pl_results_write_json(json, conclusion, error);
+    if (status == PL_OK) {
+        status = write_file(out, study, "md", pl_document_markdown(&document), error);
+    }
+    if (status == PL_OK) {
+        status = write_file(out, study, "csv", pl_document_csv(&document), error);
+    }
+    if (status == PL_OK) {
+        status = pl_study_write_page(out, study, conclusion, error);
+    }
     if (status == PL_OK && !pl_is_stdout(request->json)) {
         char *text = pl_document_text(&document, pl_window_width(stdout));
         fputs(text, stdout);
         fflush(stdout);
         free(text);
     }
+    free(json);
     pl_document_free(&document);
     return status;
 }
@@ -98,53 +81,59 @@ pl_status pl_study_deliver(const pl_request *request, const pl_study *study, con
     return status;
 }
 
-int pl_study_command(const pl_call *call, const pl_request *request, const pl_study_work *work,
-                     const pl_plan *plan)
+/* Concludes from the results of the store that count. */
+static pl_status conclude(const pl_study_work *work, pl_store *store, int *code, pl_error *error)
 {
+    const pl_request *request = work->options;
+    char *path = pl_heap_format("%s/results.jsonl", request->out);
+    const pl_result_file made = {.path = path, .results = pl_store_results(store)};
+    const pl_result_table_def def = {
+        .files = &made, .file_count = 1, .study = work->study->name, .has_changes = true};
+    json_t *results = NULL, *conclusion = NULL;
+    pl_status status = pl_results_that_count(&def, &results, error);
+    *code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
+    if (status == PL_OK) {
+        status = pl_study_deliver(request, work->study, results, request->out, &conclusion, error);
+    }
+    if (status == PL_OK && work->finish != NULL) {
+        status = work->finish(work->options, conclusion, code, error);
+    }
+    json_decref(conclusion);
+    json_decref(results);
+    free(path);
+    return status;
+}
+
+/* Makes the runs of the plan that are missing, and concludes. Returns the exit code. */
+static int carry_out(const pl_call *call, const pl_study_work *work, const pl_plan *plan)
+{
+    const pl_request *request = work->options;
+    const pl_store_mode mode = pl_store_mode_of(request->resume, request->force);
     pl_error error = {.message = ""};
     pl_store *store = NULL;
     int signal_number = 0, code = PL_EXIT_OK;
     char *file = pl_heap_format("%s.json", work->study->name);
-    const char *const others[] = {file, NULL};
-    json_t *provenance = pl_call_provenance(call);
-    pl_status status = pl_request_outputs(request, work->output, &error);
-    if (status == PL_OK) {
-        status = pl_store_open(request->out, pl_store_mode_of(request->resume, request->force),
-                               others, &store, &error);
-    }
-    if (status == PL_OK) {
-        pl_execution_def how = {.plan = plan,
-                                .jobs = request->jobs,
-                                .limits = request->limits,
-                                .provenance = provenance,
-                                .store = store,
-                                .progress = stderr};
-        status = work->run == NULL ? pl_execute(&how, &signal_number, &error)
-                                   : work->run(work->user, &how, &signal_number, &error);
-    }
+    pl_call_check(call,
+                  pl_request_outputs(request, work->output == NULL ? NULL : *work->output, &error),
+                  &error);
+    pl_call_check(
+        call, pl_store_open(request->out, mode, (const char *const[]){file, NULL}, &store, &error),
+        &error);
+    pl_execution_def how = {.plan = plan,
+                            .jobs = request->jobs,
+                            .limits = request->limits,
+                            .provenance = pl_call_provenance(call),
+                            .store = store,
+                            .progress = stderr};
+    pl_status status = work->run == NULL ? pl_execute(&how, &signal_number, &error)
+                                         : work->run(work->options, &how, &signal_number, &error);
     if (status == PL_OK && signal_number == 0) {
-        char *path = pl_heap_format("%s/results.jsonl", request->out);
-        const pl_result_file made = {.path = path, .results = pl_store_results(store)};
-        const pl_result_table_def def = {
-            .files = &made, .file_count = 1, .study = work->study->name, .has_changes = true};
-        json_t *results = NULL, *conclusion = NULL;
-        status = pl_results_that_count(&def, &results, &error);
-        code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-        if (status == PL_OK) {
-            status =
-                pl_study_deliver(request, work->study, results, request->out, &conclusion, &error);
-        }
-        if (status == PL_OK && work->finish != NULL) {
-            status = work->finish(work->user, conclusion, &code, &error);
-        }
-        json_decref(conclusion);
-        json_decref(results);
-        free(path);
+        status = conclude(work, store, &code, &error);
         if (status == PL_OK) {
             pl_store_finish(store);
         }
     }
-    json_decref(provenance);
+    json_decref(how.provenance);
     free(file);
     code = pl_call_end_store(call, store, request->out, status, &error, signal_number, code);
     return status == PL_UNSUPPORTED ? PL_EXIT_NOTHING : code;
@@ -152,23 +141,23 @@ int pl_study_command(const pl_call *call, const pl_request *request, const pl_st
 
 int pl_study_main(const pl_call *call, const pl_study_work *work)
 {
-    pl_request *request = work->user;
+    pl_request *request = work->options;
     pl_error error = {.message = ""};
-    pl_plan plan = {.repeats = 1};
-    int code = PL_EXIT_OK;
+    json_t *named = json_pack("{s:s}", "name", work->study->name);
+    pl_plan plan = {.repeats = 1, .study = work->plan == NULL ? named : NULL};
     request->out = work->study->name;
     pl_call_parse(call, request);
-    const pl_status status = work->plan == NULL ? pl_request_plan(call, request, &plan, &error)
-                                                : work->plan(work->user, call, &plan, &error);
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (pl_plan_size(&plan) == 0) {
-        code = pl_call_nothing(call, work->nothing == NULL ? "there is nothing to compare"
-                                                           : work->nothing);
-    } else {
-        code = pl_study_command(call, request, work, &plan);
-    }
+    pl_call_check(call,
+                  work->plan == NULL ? pl_request_plan(call, request, &plan, &error)
+                                     : work->plan(work->options, call, &plan, &error),
+                  &error);
+    const int code =
+        pl_plan_size(&plan) > 0
+            ? carry_out(call, work, &plan)
+            : pl_call_nothing(call, work->nothing == NULL ? "there is nothing to compare"
+                                                          : work->nothing);
     pl_plan_free(&plan);
+    json_decref(named);
     pl_request_free(request);
     return code;
 }

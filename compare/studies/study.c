@@ -63,6 +63,18 @@ json_t *pl_study_groups(const json_t *items, const char *const *paths)
     return groups;
 }
 
+void pl_study_add_groups(pl_document *document, const json_t *items, const char *const *paths,
+                         void (*add)(pl_document *document, const json_t *group))
+{
+    json_t *groups = pl_study_groups(items, paths), *group;
+    const char *key;
+    json_object_foreach(groups, key, group)
+    {
+        add(document, group);
+    }
+    json_decref(groups);
+}
+
 static void copy_keys(json_t *row, const json_t *result, const char *const *keys)
 {
     for (; *keys != NULL; ++keys) {

@@ -4,7 +4,10 @@
  *
  * Each run has what the conclusion needs to know of the study in its result, as the object `study`: "name", and the
  * settings of the study. So runs are resumed by their own keys, and `plumb report` concludes again from the results
- * alone. A study whose runs depend on earlier ones proposes them in rounds. */
+ * alone. A study whose runs depend on earlier ones proposes them in rounds.
+ *
+ * A study is a file of its folder that defines pl_NAME_study, command/command_NAME.c, which calls pl_study_main, a line of
+ * command/commands.def, and a test. */
 #ifndef PLUMB_STUDY_H
 #define PLUMB_STUDY_H
 
@@ -49,11 +52,15 @@ char *pl_study_key(const json_t *result, const char *const *paths);
  * reference. */
 json_t *pl_study_groups(const json_t *items, const char *const *paths);
 
+/* Adds to the document what `add` says of each of these groups. */
+void pl_study_add_groups(pl_document *document, const json_t *items, const char *const *paths,
+                         void (*add)(pl_document *document, const json_t *group));
+
 /* A new object with what a result says of its scene, its engine and its settings: the keys that all runs of a search
  * share, and the keys `more` (up to a NULL). */
 json_t *pl_study_row(const json_t *result, const char *const *more);
 
-/* "friction = 0.5, n = 60": parameters by name; "" for none. The caller frees. */
+/* The parameters by name, such as "friction = 0.5, n = 60"; "" for none. The caller frees. */
 char *pl_study_params(const json_t *params);
 
 #endif

@@ -27,12 +27,7 @@ static void try_budget(fake *f, pl_budget_search *s)
     const double found = f->error(budget, f->user);
     const bool ended = (f->ends_at > 0 && budget >= f->ends_at) ||
                        (budget < f->ends_between && (budget & (budget - 1)) != 0);
-    /* The error of a trial that failed is tempting, and not to be looked at. */
-    pl_budget_take(s,
-                   ended          ? PL_BUDGET_END_SEARCH
-                   : isinf(found) ? PL_BUDGET_FAILED
-                                  : PL_BUDGET_SUCCEEDED,
-                   isinf(found) ? 0 : found);
+    pl_budget_take(s, ended ? (double)NAN : found);
 }
 
 static pl_budget_search search_in(fake *f, long least, long most)

@@ -5,8 +5,8 @@
 #include "runner/execute.h"
 #include "runner/positions.h"
 #include "runner/recording.h"
-#include "studies/ensemble/horizon.h"
 #include "studies/ensemble/members.h"
+#include "studies/ensemble/sample.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "check.h"
 #include "plumb_process.h"
 #include "results/store.h"
-#include "studies/metamorphic/agreement.h"
+#include "studies/metamorphic/metamorphic.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #ifndef PLUMB_TEST_TRANSFORMED_H
 #define PLUMB_TEST_TRANSFORMED_H
 
-#include "studies/metamorphic/check_list.h"
+#include "studies/metamorphic/metamorphic.h"
 
 /* The test fails where there is no transforming it. The caller frees the scene. */
 pl_scene transformed(const pl_transform *transform, const pl_scene *from);

@@ -2,8 +2,8 @@
 #include "ensemble.h"
 
 #include "base/heap.h"
-#include "horizon.h"
 #include "plumb/jitter.h"
+#include "sample.h"
 #include "two_sample.h"
 #include "verdict.h"
 

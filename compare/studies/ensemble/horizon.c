@@ -1,5 +1,5 @@
 /* The spread of an ensemble over time, read from its members' position files. */
-#include "horizon.h"
+#include "sample.h"
 
 #include "base/heap.h"
 #include "results/result.h"

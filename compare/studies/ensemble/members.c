@@ -43,11 +43,9 @@ static pl_status add_member(const pl_members_def *def, int row, int member, pl_p
     return status;
 }
 
-static pl_status take_result(void *user, json_t *result, pl_error *error)
+static void look_whether_refused(void *refused, json_t *result)
 {
-    (void)error;
-    *(json_t **)user = json_incref(result);
-    return PL_OK;
+    *(bool *)refused = strcmp(pl_json_get_text(result, "outcome"), "unsupported") == 0;
 }
 
 /* Raises the engine's iterations, where it has that option and its profile takes the value, which a run of
@@ -60,28 +58,30 @@ static pl_status strengthen(const pl_case *test_case, pl_configuration *configur
     if (option < 0) {
         return PL_OK;
     }
+    bool is_refused = false;
+    int signal_number = 0;
     pl_case short_case = *test_case;
     pl_configuration stronger = *configuration;
-    json_t *result = NULL;
-    int signal_number = 0;
+    const pl_plan trial = {.cases = &short_case,
+                           .case_count = 1,
+                           .configurations = &stronger,
+                           .configuration_count = 1,
+                           .repeats = 1};
+    const pl_execution_def def = {.plan = &trial,
+                                  .jobs = 1,
+                                  .limits = {.timeout = 60},
+                                  .user = &is_refused,
+                                  .amend = look_whether_refused};
     double *value = &stronger.choice.values[option];
     *value = fmin(PL_MORE_ITERATIONS * *value, engine->options[option].max);
     short_case.scene.duration = short_case.scene.dt;
-    const pl_plan plan = {.cases = &short_case,
-                          .case_count = 1,
-                          .configurations = &stronger,
-                          .configuration_count = 1,
-                          .repeats = 1};
-    const pl_execution_def def = {
-        .plan = &plan, .jobs = 1, .limits = {.timeout = 60}, .user = &result, .take = take_result};
     const pl_status status = pl_execute(&def, &signal_number, error);
     if (signal_number != 0) {
         raise(signal_number);
     }
-    if (strcmp(pl_json_get_text(result, "outcome"), "unsupported") != 0) {
+    if (!is_refused) {
         *configuration = stronger;
     }
-    json_decref(result);
     return status;
 }
 

@@ -44,4 +44,20 @@ bool pl_fell_through(const pl_scene *scene, const json_t *result);
 /* Frees all of it. */
 void pl_observations_free(pl_observations *observed);
 
+/* ---- Horizons ---- */
+
+/* The prediction horizon of an engine's members: until then a single trajectory can be predicted; afterwards only
+ * distributions can be compared. It is the time from which on their spread passes 1 % of `least_size`, the size of the
+ * smallest body in m, by the trajectories in `folder` of all members, whose runs an array of texts names.
+ *
+ * Returns a new object as in plumb.ensemble/1. "time" is in s; null with a "reason" where the members stayed together as
+ * long as all have a trajectory, or where the horizon is unknown. Unless it is unknown there are also "threshold" in m,
+ * and of the last sample "last_time" in s and "last_spread" in m. */
+json_t *pl_horizon_find(const char *folder, const json_t *runs, double least_size);
+
+/* The spread of `bodies` bodies over member_count samples of 3 x bodies coordinates, m. That of a body is the square root
+ * of the summed variance of its three coordinates over the members, divided by n - 1: the root mean square distance from
+ * the mean of the ensemble, as of an ensemble forecast (Leith 1974). The spread is the largest of the bodies'. */
+double pl_ensemble_spread(const double *const *members, int member_count, int bodies);
+
 #endif

@@ -69,19 +69,18 @@ static void end_doubling(pl_budget_search *s)
     }
 }
 
-void pl_budget_take(pl_budget_search *s, pl_budget_trial trial, double error)
+void pl_budget_take(pl_budget_search *s, double error)
 {
-    const double found = trial == PL_BUDGET_SUCCEEDED ? error : (double)INFINITY;
     const long budget = pl_budget_next(s);
     ++s->trials;
     s->largest = s->bisects ? s->largest : budget;
-    if (trial == PL_BUDGET_END_SEARCH) {
+    if (isnan(error)) {
         s->state = PL_BUDGET_STOPPED;
     } else if (s->bisects) {
-        pl_bisection_take(&s->bisection, is_near(s, found));
+        pl_bisection_take(&s->bisection, is_near(s, error));
         look_for_budget(s);
     } else {
-        s->errors[s->doublings++] = found;
+        s->errors[s->doublings++] = error;
         if (budget > s->most / 2 || is_settled(s)) {
             end_doubling(s);
         }

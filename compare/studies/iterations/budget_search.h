@@ -2,7 +2,7 @@
  *
  *     pl_budget_search s = pl_budget_begin(1, 1024, 1e-9);
  *     while (s.state == PL_BUDGET_SEARCHING) {
- *         pl_budget_take(&s, PL_BUDGET_SUCCEEDED, error_with(pl_budget_next(&s)));
+ *         pl_budget_take(&s, error_with(pl_budget_next(&s)));
  *     }
  */
 #ifndef PLUMB_BUDGET_SEARCH_H
@@ -10,20 +10,13 @@
 
 #include "studies/bisection.h"
 
-/* The outcome of a trial with a budget. */
-typedef enum pl_budget_trial {
-    PL_BUDGET_SUCCEEDED, /* it has an error */
-    PL_BUDGET_FAILED,    /* it has no valid error, but a larger budget may have one */
-    PL_BUDGET_END_SEARCH /* it has no valid error, and the search ends */
-} pl_budget_trial;
-
 /* Whether a budget search goes on, and how it ended. */
 typedef enum pl_budget_state {
     PL_BUDGET_SEARCHING,
     PL_BUDGET_FOUND,
     PL_BUDGET_ALL_FAILED,     /* all budgets that were tried */
     PL_BUDGET_LARGEST_FAILED, /* there is no converged error, though smaller budgets succeeded */
-    PL_BUDGET_STOPPED         /* by PL_BUDGET_END_SEARCH */
+    PL_BUDGET_STOPPED         /* by a trial that ends the search */
 } pl_budget_state;
 
 enum { PL_BUDGET_MOST_DOUBLINGS = 64 };
@@ -51,8 +44,9 @@ pl_budget_search pl_budget_begin(long least, long most, double floor);
 /* The budget to try next: none is tried twice. Call it only while the state is PL_BUDGET_SEARCHING. */
 long pl_budget_next(const pl_budget_search *search);
 
-/* Records the trial with that budget, and its error, finite and >= 0 where the trial succeeded. */
-void pl_budget_take(pl_budget_search *search, pl_budget_trial trial, double error);
+/* Records the error of the trial with that budget, >= 0. INFINITY: it has no valid error, but a larger budget may have
+ * one; NAN: it has none, and the search ends. */
+void pl_budget_take(pl_budget_search *search, double error);
 
 /* The most trials that a search takes. */
 int pl_budget_most_trials(long least, long most);

@@ -100,13 +100,13 @@ static bool take(void *user, int search, const json_t *result)
     const double value = pl_result_metric(result, pl_metric_table[PL_METRIC_REFERENCE_ERROR].name);
     const bool ok = strcmp(outcome, "ok") == 0;
     const bool ends_search = strcmp(outcome, "timeout") == 0 || strcmp(outcome, "unsupported") == 0;
-    if (ok && !isnan(value)) {
-        pl_budget_take(&f->budgets, PL_BUDGET_SUCCEEDED, value);
-    } else {
+    if (!ok || isnan(value)) {
         snprintf(f->outcome, sizeof f->outcome, "%s", ok ? "no error" : outcome);
         f->failed = pl_budget_next(&f->budgets);
-        pl_budget_take(&f->budgets, ends_search ? PL_BUDGET_END_SEARCH : PL_BUDGET_FAILED, 0);
     }
+    pl_budget_take(&f->budgets, ok && !isnan(value) ? value
+                                : ends_search       ? (double)NAN
+                                                    : (double)INFINITY);
     if (f->budgets.state != PL_BUDGET_SEARCHING) {
         conclude(f);
     }

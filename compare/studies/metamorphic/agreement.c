@@ -1,5 +1,5 @@
 /* Reads trajectories and compares them frame by frame. */
-#include "agreement.h"
+#include "metamorphic.h"
 
 #include "base/heap.h"
 #include "plumb/vec.h"

@@ -1,5 +1,5 @@
 /* The table of checks, and their transforms. */
-#include "check_list.h"
+#include "metamorphic.h"
 
 #include "base/heap.h"
 

@@ -70,11 +70,12 @@ typedef struct start {
 
 typedef enum motion { MOTION_UNKNOWN, MOTION_FREE, MOTION_UNIFORM, MOTION_REST } motion;
 
-static pl_placed_shape placed(const pl_body *body, const pl_body_state *state)
+/* The shape of a body where it starts. */
+static pl_placed_shape placed(const pl_body *body)
 {
     pl_placed_shape shape = {.shape = &body->shape};
-    memcpy(shape.position, state->position, sizeof shape.position);
-    memcpy(shape.orientation, state->orientation, sizeof shape.orientation);
+    memcpy(shape.position, body->position, sizeof shape.position);
+    memcpy(shape.orientation, body->orientation, sizeof shape.orientation);
     return shape;
 }
 
@@ -92,12 +93,11 @@ static double reach_of(const start *s, const pl_body *body)
 static bool is_near(const start *s, const pl_body *a, const pl_body *b)
 {
     const double reach = s->touches + reach_of(s, a) + reach_of(s, b);
-    const pl_body_state states[2] = {pl_body_start(a), pl_body_start(b)};
-    const pl_placed_shape shapes[2] = {placed(a, &states[0]), placed(b, &states[1])};
+    const pl_placed_shape shapes[2] = {placed(a), placed(b)};
     double gap = 0;
     if (a->shape.kind != PL_SHAPE_PLANE && b->shape.kind != PL_SHAPE_PLANE) {
-        const pl_vec apart =
-            pl_vec_sub(pl_state_centre(a, &states[0]), pl_state_centre(b, &states[1]));
+        const pl_vec apart = pl_vec_sub(pl_centre_of_mass(&a->shape, a->position, a->orientation),
+                                        pl_centre_of_mass(&b->shape, b->position, b->orientation));
         if (pl_vec_length(apart) >
             reach + pl_bounding_radius(&a->shape) + pl_bounding_radius(&b->shape)) {
             return false;
@@ -126,10 +126,9 @@ static bool is_carried(const start *s, const pl_body *body, const pl_body_state 
 {
     const double foot = height(s, body, state, -1);
     const pl_vec centre = pl_state_centre(body, state);
-    const pl_body_state other = pl_body_start(support);
     const pl_shape probe = pl_shape_sphere(s->touches);
     pl_placed_shape below = {.shape = &probe, .orientation = {1, 0, 0, 0}};
-    const pl_placed_shape top = placed(support, &other);
+    const pl_placed_shape top = placed(support);
     double gap = HUGE_VAL;
     pl_vec_store(pl_vec_mad(centre, foot - pl_vec_dot(centre, s->up), s->up), below.position);
     return pl_gap(&below, &top, s->touches, &gap) == PL_OK && gap <= s->touches;

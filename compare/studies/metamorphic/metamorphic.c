@@ -1,7 +1,6 @@
 /* Makes the plain and the transformed runs, and adds to their results how far they agree. */
 #include "metamorphic.h"
 
-#include "agreement.h"
 #include "base/heap.h"
 #include "results/result.h"
 

@@ -98,12 +98,12 @@ static void apply_inverse(const pl_transform *t, double divisor, const double v[
     }
 }
 
-static void transform_position(const pl_transform *t, double x[3])
+/* The components along the body's own axes times s, and -s along y in the mirror, in place. */
+static void stretch(const pl_transform *t, double s, double v[3])
 {
-    apply(t, t->scale, x);
-    for (int i = 0; i < 3; ++i) {
-        x[i] += t->shift[i];
-    }
+    v[0] *= s;
+    v[1] *= t->mirrored ? -s : s;
+    v[2] *= s;
 }
 
 /* Hamilton's product a b. */
@@ -120,16 +120,6 @@ static void mirror_orientation(double q[4])
 {
     q[1] = -q[1];
     q[3] = -q[3];
-}
-
-static void transform_orientation(const pl_transform *t, double q[4])
-{
-    const double was[4] = {q[0], q[1], q[2], q[3]};
-    if (t->mirrored) {
-        mirror_orientation(q);
-    } else {
-        multiply(t->turn, was, q);
-    }
 }
 
 void pl_transform_state_back(const pl_transform *transform, const pl_body_state *from,
@@ -191,13 +181,18 @@ pl_status pl_scene_copy_unjudged(const pl_scene *from, pl_scene *to, pl_error *e
     return status;
 }
 
+static void multiply_all(double v[3], double factor)
+{
+    for (int i = 0; i < 3; ++i) {
+        v[i] *= factor;
+    }
+}
+
 static void transform_shape(const pl_transform *t, pl_shape *shape)
 {
     shape->radius *= t->scale;
     shape->half_height *= t->scale;
-    for (int i = 0; i < 3; ++i) {
-        shape->half_extents[i] *= t->scale;
-    }
+    multiply_all(shape->half_extents, t->scale);
     if (shape->kind == PL_SHAPE_PLANE) {
         apply(t, 1, shape->normal);
         shape->offset *= t->scale;
@@ -211,23 +206,17 @@ static void transform_shape(const pl_transform *t, pl_shape *shape)
  * shapes are their own mirror images in their own frames. */
 static void transform_polyhedron(const pl_transform *t, pl_polyhedron *p)
 {
-    const double s = t->scale, y = t->mirrored ? -s : s;
+    const double s = t->scale;
     for (int i = 0; i < p->vertex_count; ++i) {
-        p->vertices[i][0] *= s;
-        p->vertices[i][1] *= y;
-        p->vertices[i][2] *= s;
+        stretch(t, s, p->vertices[i]);
     }
     for (int i = 0; i < p->triangle_count && t->mirrored; ++i) {
         int second = p->triangles[i][1];
         p->triangles[i][1] = p->triangles[i][2];
         p->triangles[i][2] = second;
     }
-    p->centre[0] *= s;
-    p->centre[1] *= y;
-    p->centre[2] *= s;
-    for (int i = 0; i < 3; ++i) {
-        p->inertia[i] *= s * s;
-    }
+    stretch(t, s, p->centre);
+    multiply_all(p->inertia, s * s);
     p->volume *= s * s * s;
     p->radius *= s;
     if (t->mirrored) {
@@ -237,17 +226,20 @@ static void transform_polyhedron(const pl_transform *t, pl_polyhedron *p)
 
 static void transform_body(const pl_transform *t, pl_body *body)
 {
-    const double s = t->scale, time = sqrt(s);
+    const double s = t->scale, time = sqrt(s), *q = body->orientation;
     transform_shape(t, &body->shape);
     if (body->shape.kind == PL_SHAPE_PLANE) {
         return;
     }
     body->mass *= s * s * s;
-    for (int i = 0; i < 3; ++i) {
-        body->inertia[i] *= s * s * s * s * s;
+    multiply_all(body->inertia, s * s * s * s * s);
+    apply(t, s, body->position);
+    pl_vec_store(pl_vec_add(pl_vec_of(body->position), pl_vec_of(t->shift)), body->position);
+    if (t->mirrored) {
+        mirror_orientation(body->orientation);
+    } else {
+        multiply(t->turn, (const double[]){q[0], q[1], q[2], q[3]}, body->orientation);
     }
-    transform_position(t, body->position);
-    transform_orientation(t, body->orientation);
     apply(t, time, body->velocity);
     apply(t, (t->mirrored ? -1 : 1) / time, body->angular_velocity);
 }
@@ -255,16 +247,10 @@ static void transform_body(const pl_transform *t, pl_body *body)
 static void transform_force(const pl_transform *t, pl_force *force)
 {
     const double s = t->scale, time = sqrt(s);
-    if (force->frame == PL_FRAME_WORLD) {
-        apply(t, s * s * s, force->force);
-        apply(t, s, force->at);
-    } else {
-        for (int i = 0; i < 3; ++i) {
-            double sign = t->mirrored && i == 1 ? -1 : 1;
-            force->force[i] *= sign * s * s * s;
-            force->at[i] *= sign * s;
-        }
-    }
+    void (*const carry)(const pl_transform *, double, double *) =
+        force->frame == PL_FRAME_WORLD ? apply : stretch;
+    carry(t, s * s * s, force->force);
+    carry(t, s, force->at);
     force->from *= time;
     force->until *= time;
 }

@@ -35,8 +35,10 @@ pl_transform pl_transform_rotation(int axis, int eighths);
 /* y -> -y */
 pl_transform pl_transform_mirror(void);
 
-/* The state in which a body starts, and a body that starts in a state. */
+/* The state in which a body starts. */
 pl_body_state pl_body_start(const pl_body *body);
+
+/* Lets the body start in that state. */
 void pl_body_set_start(pl_body *body, const pl_body_state *state);
 
 /* A deep copy of a valid scene, without its expectations. Forces come in the order of their bodies; polyhedra

@@ -2,7 +2,6 @@
 
 #include "base/heap.h"
 #include "plumb/jitter.h"
-#include "studies/ensemble/horizon.h"
 #include "studies/ensemble/sample.h"
 #include "studies/ensemble/two_sample.h"
 #include "studies/ensemble/verdict.h"

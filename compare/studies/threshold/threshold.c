@@ -319,14 +319,8 @@ static void add_scene(pl_document *document, const json_t *rows)
 static void fill_document(const json_t *conclusion, pl_document *document)
 {
     static const char *const same[] = {"scenario", "params", "param", "searched", "seed", NULL};
-    json_t *scenes = pl_study_groups(conclusion, same), *rows;
-    const char *key;
     document->title = "Critical values, found by bisection";
-    json_object_foreach(scenes, key, rows)
-    {
-        add_scene(document, rows);
-    }
-    json_decref(scenes);
+    pl_study_add_groups(document, conclusion, same, add_scene);
 }
 
 const pl_study pl_threshold_study = {
