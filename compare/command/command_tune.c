@@ -5,9 +5,7 @@
 #include "studies/tune/tune.h"
 #include "study_command.h"
 
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { DEFAULT_BUDGET = 200, MOST_BUDGET = 100000 };
 
@@ -15,7 +13,10 @@ typedef struct options {
     pl_request request;
     pl_texts varied, fixed;
     pl_targets targets;
-    int budget;
+    pl_tune_space space;
+    pl_tune_def def;
+    pl_study_work work;
+    char *profile; /* path */
 } options;
 
 static pl_status parse_target(void *user, const char *text, pl_error *error)
@@ -39,91 +40,67 @@ static pl_status check(void *user, pl_error *error)
     return status;
 }
 
-/* The tuning, for its runs and its end. */
-typedef struct work {
-    pl_tune_def def;
-    char *profile; /* path */
-} work;
+/* Plans what to tune. An engine that cannot be loaded has nothing to tune. */
+static pl_status make_plan(void *user, const pl_call *call, pl_plan *plan, pl_error *error)
+{
+    options *o = user;
+    const pl_status status = pl_request_plan(call, &o->request, plan, error);
+    if (status != PL_OK || plan->configuration_count == 0) {
+        return status;
+    }
+    const pl_engine_choice *choice = &plan->configurations[0].choice;
+    const pl_tune_request asked = {.engine = choice,
+                                   .dt = o->request.dt,
+                                   .varied = o->varied.items,
+                                   .varied_count = o->varied.count,
+                                   .fixed = o->fixed.items,
+                                   .fixed_count = o->fixed.count};
+    o->def.plan = plan;
+    o->profile = pl_heap_format("%s/%s.profile.json", o->request.out, choice->engine->name);
+    o->work.output = o->profile;
+    return choice->engine->fault.is_fault
+               ? pl_fail(error, PL_IO, "%s: %s", choice->spec, choice->engine->fault.reason)
+               : pl_tune_space_make(&asked, &o->space, error);
+}
 
 static pl_status make_runs(void *user, pl_execution_def *how, int *signal_number, pl_error *error)
 {
-    const work *w = user;
-    return pl_tune_run(&w->def, how, signal_number, error);
+    const options *o = user;
+    return pl_tune_run(&o->def, how, signal_number, error);
 }
 
 /* Saves the settings that meet the targets as a profile. */
 static pl_status finish(void *user, const json_t *conclusion, int *code, pl_error *error)
 {
-    const work *w = user;
+    const options *o = user;
     if (!json_is_true(json_object_get(conclusion, "met"))) {
         *code = PL_EXIT_FAILED;
         return PL_OK;
     }
     json_t *profile = pl_tune_profile(conclusion);
-    const pl_status status = pl_results_write_json(w->profile, profile, error);
+    const pl_status status = pl_results_write_json(o->profile, profile, error);
     json_decref(profile);
     if (status == PL_OK) {
-        pl_print_line(stderr, "plumb tune: %s: --engine %s:tuned --profiles %s", w->profile,
-                      w->def.space->base.engine->spec, w->profile);
+        pl_print_line(stderr, "plumb tune: %s: --engine %s:tuned --profiles %s", o->profile,
+                      o->space.base.engine->spec, o->profile);
     }
     return status;
 }
 
-static int tune(const pl_call *call, const options *o, const pl_plan *plan,
-                const pl_tune_space *space)
-{
-    work w = {{.plan = plan, .space = space, .targets = &o->targets, .budget = o->budget},
-              pl_heap_format("%s/%s.profile.json", o->request.out, space->base.engine->name)};
-    const pl_study_work study = {.study = &pl_tune_study,
-                                 .user = &w,
-                                 .run = make_runs,
-                                 .output = w.profile,
-                                 .finish = finish};
-    const int code = pl_study_command(call, &o->request, &study, NULL);
-    free(w.profile);
-    return code;
-}
-
-/* An engine that cannot be loaded has nothing to tune. */
-static pl_status check_fault(const pl_engine_choice *choice, pl_error *error)
-{
-    const pl_engine_fault *fault = &choice->engine->fault;
-    return fault->is_fault ? pl_fail(error, PL_IO, "%s: %s", choice->spec, fault->reason) : PL_OK;
-}
-
 static int run(const pl_call *call)
 {
-    options o = {.request = pl_request_default(), .budget = DEFAULT_BUDGET};
-    o.request.out = "tune";
-    pl_call_parse(call, &o);
-    pl_error error = {.message = ""};
-    pl_plan plan = {.repeats = 1};
-    pl_tune_space space = {.parameter_count = 0};
-    int code = PL_EXIT_OK;
-    pl_status status = pl_request_plan(call, &o.request, &plan, &error);
-    if (status == PL_OK && plan.configuration_count > 0) {
-        status = check_fault(&plan.configurations[0].choice, &error);
-    }
-    if (status == PL_OK && plan.configuration_count > 0) {
-        const pl_tune_request asked = {.engine = &plan.configurations[0].choice,
-                                       .dt = o.request.dt,
-                                       .varied = o.varied.items,
-                                       .varied_count = o.varied.count,
-                                       .fixed = o.fixed.items,
-                                       .fixed_count = o.fixed.count};
-        status = pl_tune_space_make(&asked, &space, &error);
-    }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (space.base.engine == NULL) {
-        code = pl_call_nothing(call, "there is no engine to tune");
-    } else {
-        code = tune(call, &o, &plan, &space);
-    }
-    pl_plan_free(&plan);
+    options o = {.request = pl_request_default()};
+    o.def = (pl_tune_def){.space = &o.space, .targets = &o.targets, .budget = DEFAULT_BUDGET};
+    o.work = (pl_study_work){.study = &pl_tune_study,
+                             .user = &o,
+                             .plan = make_plan,
+                             .run = make_runs,
+                             .finish = finish,
+                             .nothing = "there is no engine to tune"};
+    const int code = pl_study_main(call, &o.work);
+    free(o.profile);
     free(o.varied.items);
     free(o.fixed.items);
-    pl_request_free(&o.request);
     return code;
 }
 
@@ -140,7 +117,7 @@ static const pl_option OPTIONS[] = {
     {"budget", "N",
      "Settings tried by the search, each on all scenarios (default 200); the best settings "
      "are measured and validated afterwards",
-     PL_OPTION_INTEGER, .field = offsetof(options, budget), .min = 1, .max = MOST_BUDGET},
+     PL_OPTION_INTEGER, .field = offsetof(options, def.budget), .min = 1, .max = MOST_BUDGET},
     {"json", NULL, "Write the conclusion as JSON (- is standard output, in place of text)",
      .kind = PL_OPTION_HELP},
     {"out", NULL, "Where the results, the page and ENGINE.profile.json go (default tune)",

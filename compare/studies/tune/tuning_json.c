@@ -63,23 +63,24 @@ static pl_status take_results(pl_tuner *t, const json_t *results, pl_error *erro
 
 /* ---- The search and the choice again ---- */
 
-static pl_status repeat_search(pl_tuner *t, pl_error *error)
+static void repeat_search(pl_tuner *t)
 {
     const size_t trials = json_array_size(t->points);
-    pl_status status = pl_evaluate_defaults(t, error);
+    pl_evaluate_defaults(t);
     t->found.evaluations = pl_heap_new(trials + 1, sizeof *t->found.evaluations);
-    for (size_t i = 0; i < trials && status == PL_OK; ++i) {
+    for (size_t i = 0; i < trials && t->status == PL_OK; ++i) {
         pl_evaluation evaluation = {
             .cost = (double)INFINITY, .excess = PL_SEARCH_WORST, .trial = (int)i};
         if (!json_is_null(json_array_get(t->points, i))) {
-            status = pl_evaluation_make(t, &evaluation, error);
+            pl_evaluation_make(t, &evaluation);
             pl_search_add(&t->found, &evaluation);
         }
     }
-    if (status == PL_OK && t->found.count == 0) {
-        status = pl_fail(error, PL_BAD_INPUT, "the tuning has no trial yet: --resume goes on");
+    if (t->status == PL_OK && t->found.count == 0) {
+        t->status =
+            pl_fail(t->error, PL_BAD_INPUT, "the tuning has no trial yet: --resume goes on");
     }
-    return status == PL_OK ? pl_tuner_choose(t, error) : status;
+    pl_tuner_choose(t);
 }
 
 /* ---- Sensitivities ---- */
@@ -199,10 +200,9 @@ static json_t *scores_json(const pl_tuner *t)
                      *shipped = pl_tuner_row(t, &defaults, p, 0);
         json_array_append_new(
             list,
-            json_pack("{s:O, s:s, s:o, s:f, s:o, s:o, s:o, s:s, s:o}", "scenario",
-                      json_array_get(json_object_get(t->study, "scenarios"), (size_t)p), "outcome",
-                      pl_json_get_text(row, "outcome"), "metrics",
-                      pl_targets_values(&t->targets, row), "excess",
+            json_pack("{s:s, s:s, s:o, s:f, s:o, s:o, s:o, s:s, s:o}", "scenario",
+                      pl_tuner_scenario(t, p), "outcome", pl_json_get_text(row, "outcome"),
+                      "metrics", pl_targets_values(&t->targets, row), "excess",
                       pl_targets_excess(&t->targets, row), "cost_ratio",
                       time_json(t, &mine, &defaults, p), "seconds", time_json(t, &mine, NULL, p),
                       "shipped_seconds", time_json(t, &defaults, NULL, p), "shipped_outcome",
@@ -264,20 +264,20 @@ pl_status pl_tune_conclude(const json_t *results, const char *folder, json_t **c
     json_t *study = shared_of(json_object_get(last, "study"));
     pl_tuner t = pl_tuner_begin(study, error);
     (void)folder;
-    pl_status status =
+    t.status =
         t.targets.count > 0 && t.case_count > 0
             ? take_results(&t, results, error)
             : pl_fail(error, PL_BAD_INPUT, "results[%zu].study: expected scenarios and targets",
                       json_array_size(results) - 1);
-    if (status == PL_OK) {
-        status = repeat_search(&t, error);
+    if (t.status == PL_OK) {
+        repeat_search(&t);
     }
-    if (status == PL_OK) {
+    if (t.status == PL_OK) {
         *conclusion = tuning_json(&t, results);
     }
     pl_tuner_free(&t);
     json_decref(study);
-    return status;
+    return t.status;
 }
 
 json_t *pl_tune_profile(const json_t *conclusion)
