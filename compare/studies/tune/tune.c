@@ -10,7 +10,7 @@
 /* Writes one line per evaluation where progress is not shown on a terminal. */
 static void log_evaluation(const pl_tuner *t, const pl_evaluation *evaluation)
 {
-    if (t->how->progress == NULL || t->bar.terminal) {
+    if (t->bar.terminal) {
         return;
     }
     FILE *out = t->how->progress;
@@ -114,17 +114,13 @@ pl_status pl_tune_run(const pl_tune_def *def, const pl_execution_def *how, int *
     t.def = def;
     t.how = how;
     /* The bar expects about three runs per case and setting. */
-    if (how->progress != NULL) {
-        t.bar = pl_progress_begin(how->progress, (long)def->plan->case_count * def->budget * 3,
-                                  pl_monotonic_seconds());
-    }
+    t.bar = pl_progress_begin(how->progress, (long)def->plan->case_count * def->budget * 3,
+                              pl_monotonic_seconds());
     t.status = check_store(&t, how->store, error);
     if (t.status == PL_OK) {
         make_all(&t);
     }
-    if (how->progress != NULL) {
-        pl_progress_end(&t.bar);
-    }
+    pl_progress_end(&t.bar);
     *signal_number = t.signal_number;
     pl_tuner_free(&t);
     json_decref(study);

@@ -83,43 +83,21 @@ static char *key_of(const json_t *result)
     return pl_study_key(result, keys);
 }
 
-static bool has_item(const json_t *array, const json_t *wanted)
-{
-    size_t index;
-    const json_t *item;
-    json_array_foreach(array, index, item)
-    {
-        if (json_equal(item, wanted)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Keeps the values of a run: those of a trial once, because subjects borrow them. */
-static void note_point(pl_tuner *t, const json_t *study)
-{
-    json_t *values = json_object_get(study, "values");
-    const json_int_t trial = json_integer_value(json_object_get(study, "trial"));
-    const char *phase = pl_json_get_text(study, "phase");
-    while (json_is_array(values) && (json_int_t)json_array_size(t->points) <= trial) {
-        json_array_append_new(t->points, json_null());
-    }
-    if (json_is_array(values) && strcmp(phase, "search") == 0 &&
-        json_is_null(json_array_get(t->points, (size_t)trial))) {
-        json_array_set(t->points, (size_t)trial, values);
-    } else if (json_is_array(values) && strcmp(phase, "sensitivity") == 0 &&
-               !has_item(t->moved, values)) {
-        json_array_append(t->moved, values);
-    }
-}
-
 void pl_tuner_take(pl_tuner *t, json_t *result)
 {
+    json_t *values = pl_study_get(result, "study.values");
+    const int trial = pl_study_integer(result, "study.trial");
     char *key = key_of(result);
     json_object_set(t->rows, key, result);
     free(key);
-    note_point(t, json_object_get(result, "study"));
+    while (json_is_array(values) && (int)json_array_size(t->points) <= trial) {
+        json_array_append_new(t->points, json_null());
+    }
+    /* Subjects borrow the values of a trial, so that they stay. */
+    if (json_is_array(values) && strcmp(pl_study_text(result, "study.phase"), "search") == 0 &&
+        json_is_null(json_array_get(t->points, (size_t)trial))) {
+        json_array_set(t->points, (size_t)trial, values);
+    }
 }
 
 const json_t *pl_tuner_row(const pl_tuner *t, const pl_subject *subject, int test_case, int repeat)
@@ -201,10 +179,8 @@ static pl_status take(void *user, json_t *result, pl_error *error)
     pl_tuner *t = user;
     (void)error;
     pl_tuner_take(t, result);
-    if (t->how->progress != NULL) {
-        t->bar.done += 1;
-        pl_progress_draw(&t->bar, pl_json_get_text(result, "scenario"), 0, pl_monotonic_seconds());
-    }
+    t->bar.done += 1;
+    pl_progress_draw(&t->bar, pl_json_get_text(result, "scenario"), 0, pl_monotonic_seconds());
     return PL_OK;
 }
 

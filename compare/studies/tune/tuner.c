@@ -15,7 +15,6 @@ pl_tuner pl_tuner_begin(json_t *study, pl_error *error)
                   .study = json_incref(study),
                   .rows = json_object(),
                   .points = json_array(),
-                  .moved = json_array(),
                   .case_count = (int)json_array_size(json_object_get(study, "scenarios")),
                   .found = {.best = -1},
                   .checks = json_array()};
@@ -35,7 +34,6 @@ void pl_tuner_free(pl_tuner *t)
     json_decref(t->study);
     json_decref(t->rows);
     json_decref(t->points);
-    json_decref(t->moved);
     json_decref(t->checks);
     free(t->found.evaluations);
 }

@@ -26,7 +26,7 @@ extern const pl_subject pl_tuner_defaults;
 /* What is known of the runs so far, and what follows from it. */
 typedef struct pl_tuner {
     const pl_tune_def *def;      /* NULL: a conclusion, which makes no runs */
-    const pl_execution_def *how; /* of a tuning in progress: everything but the plan */
+    const pl_execution_def *how; /* of a tuning in progress: all but the plan, with progress */
     pl_progress bar;
     pl_status status;    /* of the first call that failed; its error is in *error */
     pl_error *error;     /* borrowed; NULL: nobody asks */
@@ -36,7 +36,6 @@ typedef struct pl_tuner {
     json_t *study;  /* what all runs have in their `study` */
     json_t *rows;   /* the results, by what they are runs of */
     json_t *points; /* (trials): the values of each; null: no row has them */
-    json_t *moved;  /* the values of the phase "sensitivity", each once */
     pl_targets targets;
     int case_count;
 
