@@ -184,6 +184,11 @@ static pl_status take(void *user, json_t *result, pl_error *error)
     return PL_OK;
 }
 
+bool pl_tuner_goes_on(const pl_tuner *t)
+{
+    return t->status == PL_OK && t->signal_number == 0;
+}
+
 bool pl_tuner_measure(pl_tuner *t, const pl_subject *subjects, int count, int repeats)
 {
     if (t->def == NULL || !pl_tuner_goes_on(t)) {

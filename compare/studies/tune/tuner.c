@@ -38,11 +38,6 @@ void pl_tuner_free(pl_tuner *t)
     free(t->found.evaluations);
 }
 
-bool pl_tuner_goes_on(const pl_tuner *t)
-{
-    return t->status == PL_OK && t->signal_number == 0;
-}
-
 const char *pl_tuner_scenario(const pl_tuner *t, int test_case)
 {
     return json_string_value(
