@@ -108,11 +108,12 @@ static void compare(const withheld *scene, double *estimate, double *truth, doub
                                             .jobs = 2,
                                             .limits = {.timeout = 100},
                                             .positions = folder,
-                                            .provenance = provenance}};
+                                            .provenance = provenance},
+                              .error = &error};
     pl_reference reference;
-    if (pl_reference_make(&work, &reference, &error) != PL_OK) {
-        print_error("%s\n", error.message);
-        fail();
+    pl_reference_make(&work, &reference);
+    if (work.status != PL_OK) {
+        fail_msg("%s", error.message);
     }
     assert_true(reference.known);
     const pl_body_paths *paths = pl_reference_paths(&reference);

@@ -24,17 +24,18 @@ typedef struct crowd {
     json_t *runs; /* of each engine an array: the hashes of its members' runs */
 } crowd;
 
-/* Runs the members of the plan's configurations, at the step divided by `refinement`. */
-static pl_status run_crowd(pl_reference_work *work, crowd *c, int refinement, pl_error *error)
+/* Runs the members of the plan's configurations, at the step divided by `refinement`. Returns whether the work goes
+ * on. */
+static bool run_crowd(pl_reference_work *work, crowd *c, int refinement)
 {
     const pl_case *original = work->original;
     json_t *study = json_pack("{s:s}", "name", "reference");
-    pl_status status = PL_OK;
     c->plan.study = study;
-    for (int k = 0; k < PL_REFERENCE_MEMBERS && status == PL_OK; ++k) {
+    for (int k = 0; k < PL_REFERENCE_MEMBERS && work->status == PL_OK; ++k) {
         c->plan.variation =
             (pl_variation){.is_member = true, .member = k, .refinement = refinement};
-        status = pl_plan_add_values(&c->plan, original->descriptor, original->params, NULL, error);
+        work->status =
+            pl_plan_add_values(&c->plan, original->descriptor, original->params, NULL, work->error);
     }
     json_decref(study);
     for (int i = 0; i < c->plan.configuration_count; ++i) {
@@ -46,7 +47,7 @@ static pl_status run_crowd(pl_reference_work *work, crowd *c, int refinement, pl
         }
         json_array_append_new(c->runs, runs);
     }
-    return status == PL_OK ? pl_reference_run(work, &c->plan, 0, error) : status;
+    return pl_reference_run(work, &c->plan, 0);
 }
 
 /* ---- Tests ---- */
@@ -155,16 +156,13 @@ static void find_parting(const pl_reference_work *work, const crowd *own, pl_aft
     json_decref(horizon);
 }
 
-static pl_status compare_crowds(pl_reference_work *work, pl_reference_verdict *v, pl_error *error)
+static void compare_crowds(pl_reference_work *work, pl_reference_verdict *v)
 {
     const pl_plan *plan = work->execution.plan;
     crowd own = {pl_reference_plan(work), json_array()},
           others = {pl_reference_plan(work), json_array()};
-    pl_status status = pl_plan_add_engine(&own.plan, pl_reference_engine, error);
-    if (status == PL_OK) {
-        status = run_crowd(work, &own, PL_REFERENCE_MEMBER_REFINEMENT, error);
-    }
-    if (status == PL_OK && work->signal_number == 0) {
+    work->status = pl_plan_add_engine(&own.plan, pl_reference_engine, work->error);
+    if (run_crowd(work, &own, PL_REFERENCE_MEMBER_REFINEMENT)) {
         v->after.made = true;
         find_parting(work, &own, &v->after);
     }
@@ -172,20 +170,16 @@ static pl_status compare_crowds(pl_reference_work *work, pl_reference_verdict *v
         pl_plan_add_choice(&others.plan, &plan->configurations[i].choice,
                            plan->configurations[i].label);
     }
-    if (v->after.chaotic) {
-        status = run_crowd(work, &others, 0, error);
-        if (status == PL_OK && work->signal_number == 0) {
-            test_ends(work, &own, &others, v->reference, &v->after);
-        }
+    if (v->after.chaotic && run_crowd(work, &others, 0)) {
+        test_ends(work, &own, &others, v->reference, &v->after);
     }
     json_decref(own.runs);
     json_decref(others.runs);
     pl_plan_free(&own.plan);
     pl_plan_free(&others.plan);
-    return status;
 }
 
-pl_status pl_after_horizon_make(pl_reference_work *work, pl_reference_verdict *v, pl_error *error)
+void pl_after_horizon_make(pl_reference_work *work, pl_reference_verdict *v)
 {
     const pl_reference *reference = v->reference;
     const double steps = (double)pl_scene_steps(&work->original->scene) * (double)reference->bodies;
@@ -194,18 +188,15 @@ pl_status pl_after_horizon_make(pl_reference_work *work, pl_reference_verdict *v
     for (int b = 0; b < reference->bodies; ++b) {
         after->from = reference->horizon[b] < after->from ? reference->horizon[b] : after->from;
     }
-    if (after->from == reference->samples) {
-        return PL_OK;
-    }
-    if (steps > most_member_work) {
+    if (after->from < reference->samples && steps > most_member_work) {
         snprintf(
             after->reason, sizeof after->reason,
             "an ensemble would take more than %.0f steps times bodies a member: plumb ensemble "
             "makes it",
             most_member_work);
-        return PL_OK;
+    } else if (after->from < reference->samples) {
+        compare_crowds(work, v);
     }
-    return compare_crowds(work, v, error);
 }
 
 /* ---- Sentences ---- */

@@ -74,8 +74,12 @@ static bool is_hopeless(void *user, const char *run)
            outcome == PL_OUTCOME_UNSUPPORTED;
 }
 
-pl_status pl_reference_run(pl_reference_work *work, const pl_plan *plan, long stride,
-                           pl_error *error)
+bool pl_reference_goes_on(const pl_reference_work *work)
+{
+    return work->status == PL_OK && work->signal_number == 0;
+}
+
+bool pl_reference_run(pl_reference_work *work, const pl_plan *plan, long stride)
 {
     pl_execution_def execution = work->execution;
     execution.plan = plan;
@@ -86,7 +90,10 @@ pl_status pl_reference_run(pl_reference_work *work, const pl_plan *plan, long st
     if (execution.bar != NULL) {
         execution.bar->total += pl_execution_due(&execution);
     }
-    return pl_execute(&execution, &work->signal_number, error);
+    if (pl_reference_goes_on(work)) {
+        work->status = pl_execute(&execution, &work->signal_number, work->error);
+    }
+    return pl_reference_goes_on(work);
 }
 
 /* A reference in the making. */
@@ -139,7 +146,7 @@ static bool takes_part(const pl_reference *reference, int engine, int level)
 }
 
 /* Runs the engines that take part in a level, and reads their paths. */
-static pl_status run_level(making *m, int level, pl_error *error)
+static void run_level(making *m, int level)
 {
     const pl_case *original = m->work->original;
     json_t *study = json_pack("{s:s}", "name", "reference");
@@ -151,17 +158,13 @@ static pl_status run_level(making *m, int level, pl_error *error)
             pl_plan_add_pairing(&m->plan, level, i);
         }
     }
-    pl_status status =
-        pl_plan_add_values(&m->plan, original->descriptor, original->params, NULL, error);
+    m->work->status =
+        pl_plan_add_values(&m->plan, original->descriptor, original->params, NULL, m->work->error);
     json_decref(study);
-    if (status == PL_OK) {
-        status = pl_reference_run(m->work, &m->plan, m->reference->stride << level, error);
-    }
-    for (int k = 0; k < m->plan.pairing_count && status == PL_OK && m->work->signal_number == 0;
-         ++k) {
+    const bool are_made = pl_reference_run(m->work, &m->plan, m->reference->stride << level);
+    for (int k = 0; k < m->plan.pairing_count && are_made; ++k) {
         take_run(m, m->plan.pairings[k].configuration, level);
     }
-    return status;
 }
 
 /* The candidate nearest to the reference's own engine at the third step: where they have one limit,
@@ -322,20 +325,20 @@ static void prepare(pl_reference *reference, const pl_scene *scene)
 }
 
 /* The reference's own engine, and those candidates that this build has. */
-static pl_status add_engines(making *m, pl_error *error)
+static void add_engines(making *m)
 {
-    pl_status status = pl_plan_add_engine(&m->plan, pl_reference_engine, error);
+    pl_status status = pl_plan_add_engine(&m->plan, pl_reference_engine, m->work->error);
     for (int i = 0; i < PL_REFERENCE_CANDIDATES && status == PL_OK; ++i) {
         if (m->reference->bodies <= candidates[i].most_bodies) {
-            status = pl_plan_add_engine(&m->plan, candidates[i].spec, error);
+            status = pl_plan_add_engine(&m->plan, candidates[i].spec, m->work->error);
             status = status == PL_UNSUPPORTED ? PL_OK : status;
         }
     }
+    m->work->status = status;
     m->reference->engine_count = m->plan.configuration_count;
     for (int i = 0; i < m->reference->engine_count; ++i) {
         memcpy(m->reference->engines[i].label, m->plan.configurations[i].label, PL_LABEL_SIZE);
     }
-    return status;
 }
 
 /* How many steps may be tried; 0: the scene is too large, as the reference then says. */
@@ -355,15 +358,15 @@ static int most_levels(pl_reference *reference, const pl_scene *scene)
 }
 
 /* Halves the step until that is enough, and evaluates the levels that ran. */
-static pl_status halve(making *m, pl_error *error)
+static void halve(making *m)
 {
     pl_reference *reference = m->reference;
     const pl_reference_runs *own = &reference->engines[0];
     const int most = most_levels(reference, &m->work->original->scene);
     for (int level = 0; level < most && own->count == level; ++level) {
-        const pl_status status = run_level(m, level, error);
-        if (status != PL_OK || m->work->signal_number != 0) {
-            return status;
+        run_level(m, level);
+        if (!pl_reference_goes_on(m->work)) {
+            return;
         }
         if (level == LEAST_LEVELS - 1) {
             choose_second(reference);
@@ -383,20 +386,18 @@ static pl_status halve(making *m, pl_error *error)
         snprintf(reference->reason, sizeof reference->reason, "%s %s", pl_reference_engine,
                  own->reason);
     }
-    return PL_OK;
 }
 
-pl_status pl_reference_make(pl_reference_work *work, pl_reference *reference, pl_error *error)
+void pl_reference_make(pl_reference_work *work, pl_reference *reference)
 {
     *reference = (pl_reference){.known = false};
     making m = {.work = work, .reference = reference, .plan = pl_reference_plan(work)};
     prepare(reference, &work->original->scene);
-    pl_status status = add_engines(&m, error);
-    if (status == PL_OK) {
-        status = halve(&m, error);
+    add_engines(&m);
+    if (pl_reference_goes_on(work)) {
+        halve(&m);
     }
     pl_plan_free(&m.plan);
-    return status;
 }
 
 const pl_body_paths *pl_reference_paths(const pl_reference *reference)

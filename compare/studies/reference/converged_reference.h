@@ -34,16 +34,21 @@ typedef struct pl_reference_work {
     /* All but the plan is used. `positions` is an existing folder. The plan has the configurations to judge and
      * the seed. */
     pl_execution_def execution;
+    pl_status status;  /* of the first call that failed; its error is in *error */
+    pl_error *error;   /* borrowed */
     int signal_number; /* that ended the runs; 0: none */
 } pl_reference_work;
+
+/* Whether no call failed, and no signal ended the runs. */
+bool pl_reference_goes_on(const pl_reference_work *work);
 
 /* A plan without cases and engines, with the seed of the work. */
 pl_plan pl_reference_plan(const pl_reference_work *work);
 
 /* Makes the runs of a plan, with their positions every `stride` steps (0: pl_positions_stride), but not those that are
- * known to have crashed, to have timed out or to be unsupported. A signal ends it as in pl_execute. */
-pl_status pl_reference_run(pl_reference_work *work, const pl_plan *plan, long stride,
-                           pl_error *error);
+ * known to have crashed, to have timed out or to be unsupported; and none where the work does not go on. Returns whether
+ * the work goes on. */
+bool pl_reference_run(pl_reference_work *work, const pl_plan *plan, long stride);
 
 /* The hash of the first run of a case on a configuration. */
 void pl_reference_hash(const pl_plan *plan, const pl_case *test_case,
@@ -95,8 +100,8 @@ typedef struct pl_reference {
 bool pl_reference_applies(const pl_case *test_case);
 
 /* Runs the engines and evaluates them. Runs that fail are no error: the reference is then not known.
- * A signal ends it as in pl_execute. The caller frees *reference in any case. */
-pl_status pl_reference_make(pl_reference_work *work, pl_reference *reference, pl_error *error);
+ * The caller frees *reference in any case. */
+void pl_reference_make(pl_reference_work *work, pl_reference *reference);
 
 /* The reference's paths: those at the finest step. */
 const pl_body_paths *pl_reference_paths(const pl_reference *reference);

@@ -22,50 +22,48 @@ static json_t *recall(const json_t *before, const pl_plan *plan, const pl_case *
     return json_incref(found);
 }
 
-/* Makes the runs of a case again, with their positions. */
-static pl_status run_with_positions(pl_reference_work *work, pl_case *test_case, pl_error *error)
+/* Makes the runs of a case again, with their positions. Returns whether the work goes on. */
+static bool run_with_positions(pl_reference_work *work, pl_case *test_case)
 {
     pl_plan one = *work->execution.plan;
     one.cases = test_case;
     one.case_count = one.repeats = 1;
-    return pl_reference_run(work, &one, 0, error);
+    return pl_reference_run(work, &one, 0);
 }
 
-/* Judges the configurations by a reference that is known. */
-static pl_status judge_by(pl_reference_work *work, const pl_reference *reference, json_t *sentences,
-                          json_t **item, pl_error *error)
+/* The item of a case judged by a reference that is known: a new reference; NULL where the work does not go on. */
+static json_t *judge_by(pl_reference_work *work, const pl_reference *reference, json_t *sentences)
 {
     pl_reference_verdict verdict = pl_reference_judge(work, reference);
-    const pl_status status = pl_after_horizon_make(work, &verdict, error);
-    if (status == PL_OK && work->signal_number == 0) {
+    json_t *item = NULL;
+    pl_after_horizon_make(work, &verdict);
+    if (pl_reference_goes_on(work)) {
         pl_reference_sentences(&verdict, sentences);
         pl_after_horizon_sentences(&verdict, sentences);
-        *item = pl_reference_case_json(work, reference, &verdict, sentences);
+        item = pl_reference_case_json(work, reference, &verdict, sentences);
     }
     pl_reference_verdict_free(&verdict);
-    return status;
+    return item;
 }
 
-/* Sets *item, a new reference; NULL after a failure and at a signal. */
-static pl_status judge_case(pl_reference_work *work, pl_case *test_case, json_t **item,
-                            pl_error *error)
+/* The item of a case: a new reference; NULL where the work does not go on. */
+static json_t *judge_case(pl_reference_work *work, pl_case *test_case)
 {
     pl_reference reference = {.known = false};
-    json_t *sentences = json_array();
+    json_t *sentences = json_array(), *item = NULL;
     work->original = test_case;
-    pl_status status = run_with_positions(work, test_case, error);
-    if (status == PL_OK && work->signal_number == 0) {
-        status = pl_reference_make(work, &reference, error);
+    if (run_with_positions(work, test_case)) {
+        pl_reference_make(work, &reference);
     }
-    if (status == PL_OK && work->signal_number == 0 && reference.known) {
-        status = judge_by(work, &reference, sentences, item, error);
-    } else if (status == PL_OK && work->signal_number == 0) {
+    if (pl_reference_goes_on(work) && reference.known) {
+        item = judge_by(work, &reference, sentences);
+    } else if (pl_reference_goes_on(work)) {
         pl_sentence_add(sentences, "There is no reference: %s", reference.reason);
-        *item = pl_reference_case_json(work, &reference, NULL, sentences);
+        item = pl_reference_case_json(work, &reference, NULL, sentences);
     }
     pl_reference_free(&reference);
     json_decref(sentences);
-    return status;
+    return item;
 }
 
 /* An object of the cases, with the sentences of all. */
@@ -91,22 +89,19 @@ static json_t *compose(json_t *cases)
                      pl_reference_safety, "cases", cases, "sentences", sentences);
 }
 
-/* Judges a case, unless that was done before, and appends its item. */
-static pl_status add_case(pl_reference_work *work, const json_t *before, FILE *out,
-                          pl_case *test_case, json_t *cases, pl_error *error)
+/* The item of a case, of an earlier outcome or judged now: a new reference; NULL where the work does not go on. */
+static json_t *item_of(pl_reference_work *work, const json_t *before, FILE *out, pl_case *test_case)
 {
     json_t *item = recall(before, work->execution.plan, test_case);
-    pl_status status = PL_OK;
-    if (item == NULL) {
-        /* Where the display cannot be drawn again, a line a run would be hundreds of lines. */
-        if (work->execution.bar == NULL) {
-            pl_print_line(out, "%s: a converged reference", test_case->name);
-        }
-        status = pl_make_directories(work->execution.positions, error);
-        status = status == PL_OK ? judge_case(work, test_case, &item, error) : status;
+    if (item != NULL) {
+        return item;
     }
-    json_array_append_new(cases, item);
-    return status;
+    /* Where the display cannot be drawn again, a line a run would be hundreds of lines. */
+    if (work->execution.bar == NULL) {
+        pl_print_line(out, "%s: a converged reference", test_case->name);
+    }
+    work->status = pl_make_directories(work->execution.positions, work->error);
+    return work->status == PL_OK ? judge_case(work, test_case) : NULL;
 }
 
 /* Writes the outcome of all cases, or removes an earlier one. */
@@ -127,22 +122,22 @@ pl_status pl_reference_study(const pl_execution_def *how, const char *directory,
          *path = pl_heap_format("%s/reference.json", directory);
     json_t *before = resumes ? json_load_file(path, 0, NULL) : NULL, *cases = json_array();
     pl_progress bar = pl_progress_begin(how->progress, 0, pl_monotonic_seconds());
-    pl_reference_work work = {.execution = *how};
-    pl_status status = PL_OK;
+    pl_reference_work work = {.execution = *how, .error = error};
     work.execution.positions = folder;
     work.execution.progress = NULL;
     work.execution.bar = bar.terminal ? &bar : NULL;
     if (!resumes) {
         pl_positions_clear(folder);
     }
-    for (int i = 0; i < how->plan->case_count && status == PL_OK && work.signal_number == 0; ++i) {
-        if (pl_reference_applies(&how->plan->cases[i])) {
-            status = add_case(&work, before, how->progress, &how->plan->cases[i], cases, error);
+    for (int i = 0; i < how->plan->case_count && pl_reference_goes_on(&work); ++i) {
+        pl_case *test_case = &how->plan->cases[i];
+        if (pl_reference_applies(test_case)) {
+            json_array_append_new(cases, item_of(&work, before, how->progress, test_case));
         }
     }
     pl_progress_end(&bar);
-    if (status == PL_OK && work.signal_number == 0) {
-        status = write_outcome(path, cases, outcome, error);
+    if (pl_reference_goes_on(&work)) {
+        work.status = write_outcome(path, cases, outcome, error);
     }
     pl_positions_clear(folder);
     *signal_number = work.signal_number;
@@ -150,7 +145,7 @@ pl_status pl_reference_study(const pl_execution_def *how, const char *directory,
     json_decref(before);
     free(path);
     free(folder);
-    return status;
+    return work.status;
 }
 
 void pl_reference_study_print(FILE *out, const json_t *outcome)

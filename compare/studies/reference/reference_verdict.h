@@ -83,10 +83,8 @@ pl_body_verdict pl_body_judge(const pl_reference *reference, const pl_body_paths
 pl_reference_verdict pl_reference_judge(const pl_reference_work *work,
                                         const pl_reference *reference);
 
-/* Runs and tests the ensembles, into verdict->after. Nothing is run where every body has a reference to its end. A
- * signal ends it as in pl_execute. */
-pl_status pl_after_horizon_make(pl_reference_work *work, pl_reference_verdict *verdict,
-                                pl_error *error);
+/* Runs and tests the ensembles, into verdict->after. Nothing is run where every body has a reference to its end. */
+void pl_after_horizon_make(pl_reference_work *work, pl_reference_verdict *verdict);
 
 /* Frees the verdicts and the tests. */
 void pl_reference_verdict_free(pl_reference_verdict *verdict);
