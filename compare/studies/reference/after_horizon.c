@@ -226,7 +226,7 @@ static char *names_of(const pl_reference_verdict *v, const bool *wanted)
     return pl_text_take(&text);
 }
 
-/* "bullet:si differs in where box b ends (p = 0.003)"; NULL where it does not differ. The caller frees. */
+/* "bullet:si differs in where box b ends (p = 0.003)"; NULL: the engine does not differ. The caller frees. */
 static char *difference_of(const pl_reference_verdict *v, int engine)
 {
     bool *wanted = pl_heap_new((size_t)v->reference->bodies, sizeof *wanted);
@@ -267,7 +267,7 @@ static char *affected_of(const pl_reference_verdict *v)
     return text;
 }
 
-/* A sentence for each engine that differs; the first says of which bodies the motion is chaotic, and from when on. */
+/* A sentence for each engine that differs. The first begins with the bodies whose motion is chaotic, and from when on. */
 static void say_ensembles(const pl_reference_verdict *v, const char *affected, double from,
                           json_t *sentences)
 {

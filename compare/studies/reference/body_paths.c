@@ -66,7 +66,7 @@ double pl_body_paths_distance(const pl_body_paths *a, const pl_body_paths *b, in
 
 const double pl_halving_window = 0.1;
 
-/* The last so many halvings count. */
+/* Of the last halvings this number counts. */
 enum { TRUSTED = 2 };
 
 static const double least_rate = 0.25;

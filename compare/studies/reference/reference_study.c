@@ -96,7 +96,7 @@ static json_t *item_of(pl_reference_work *work, const json_t *before, FILE *out,
     if (item != NULL) {
         return item;
     }
-    /* Where the display cannot be drawn again, a line a run would be hundreds of lines. */
+    /* Where the display cannot be drawn again, a line for each run would be hundreds of lines. */
     if (work->execution.bar == NULL) {
         pl_print_line(out, "%s: a converged reference", test_case->name);
     }

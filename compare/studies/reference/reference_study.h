@@ -6,8 +6,8 @@
 #include "runner/execute.h"
 
 /* Judges the cases of the plan that are scene files which expect nothing. Of `how` the plan, jobs, limits, provenance,
- * progress and store are used: the store has the results of the plan, of which what crashed, timed out or was refused is
- * not run again. The plan's first repeats are run again for their paths, so that the file of a path is open in no run
+ * progress and store are used. The store has the results of the plan: a run that crashed, timed out or was refused is
+ * not made again. The plan's first repeats are run again for their paths, so that the file of a path is open in no run
  * whose result counts.
  *
  * Writes the outcome to DIRECTORY/reference.json, or removes that file where there is no such case. With `resumes` a case

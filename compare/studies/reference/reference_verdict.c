@@ -204,7 +204,7 @@ static void say_contradiction(const pl_reference_verdict *v, json_t *sentences)
         last_step(reference, &reference->engines[0]), more);
 }
 
-/* What a second engine says of the reference. */
+/* Adds whether a second engine confirms the reference. */
 static void say_second(const pl_reference_verdict *v, pl_text_buffer *text)
 {
     const pl_reference *reference = v->reference;

@@ -34,8 +34,8 @@ pl_status pl_target_add(pl_targets *targets, const char *text, pl_error *error);
 /* The target as pl_target_add reads it. */
 void pl_target_text(const pl_target *target, char text[96]);
 
-/* The largest ln(value / bound) of a plumb.result/1 over the targets, which are met where it is <= 0: at most
- * PL_SEARCH_WORST, which it is where a value or the result (NULL) is missing. It is larger where the run's outcome is
+/* The largest ln(value / bound) of a plumb.result/1 over the targets: they are met if it is <= 0. It is at most
+ * PL_SEARCH_WORST, the excess of a missing value or result (NULL). It is larger where the run's outcome is
  * not ok. */
 double pl_targets_excess(const pl_targets *targets, const json_t *result);
 

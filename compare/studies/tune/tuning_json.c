@@ -12,7 +12,7 @@ enum { MOST_TRIALS = 100000 };
 
 /* ---- Results ---- */
 
-/* Sets the keys (up to a NULL) of an object as they are in another; what that lacks is left out. */
+/* Copies these keys (up to a NULL) of an object to another; absent ones are left out. */
 static void copy_keys(json_t *to, const json_t *from, const char *const *keys)
 {
     for (; *keys != NULL; ++keys) {
