@@ -7,7 +7,6 @@
 #include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
-#include "runner/positions.h"
 #include "runner/recording.h"
 #include "studies/iterations/iterations_to_tolerance.h"
 #include "studies/reference/reference_study.h"
@@ -107,30 +106,17 @@ static void make_runs(const pl_call *call, const options *o, pl_execution_def ex
     pl_call_check_end(call, status, &error, signal_number);
 }
 
-/* Makes the converged references of scene files that expect nothing, and writes reference.json. Returns their outcome;
- * NULL: there is none, and that of an earlier comparison does not stay next to the results of this one. */
-static json_t *make_references(const pl_call *call, const options *o, pl_execution_def execution,
-                               const char *folder, const json_t *before)
+/* Makes the converged references of scene files that expect nothing. Returns their outcome; NULL: there is none. */
+static json_t *make_references(const pl_call *call, const options *o, pl_execution_def execution)
 {
+    static const pl_plan none = {.repeats = 1};
     int signal_number = 0;
     json_t *outcome = NULL;
     pl_error error = {.message = ""};
-    char *path = pl_heap_format("%s/reference.json", o->request.out);
-    execution.positions = folder;
-    if (!o->no_reference && pl_reference_study_cases(execution.plan) > 0) {
-        const pl_reference_study_def def = {
-            .execution = execution, .results = pl_store_results(execution.store), .before = before};
-        pl_status status = pl_reference_study(&def, &outcome, &signal_number, &error);
-        if (status == PL_OK && outcome != NULL) {
-            status = pl_results_write_json(path, outcome, &error);
-        }
-        pl_positions_clear(folder);
-        pl_call_check_end(call, status, &error, signal_number);
-    }
-    if (outcome == NULL) {
-        unlink(path);
-    }
-    free(path);
+    execution.plan = o->no_reference ? &none : execution.plan;
+    const pl_status status = pl_reference_study(&execution, o->request.out, o->request.resume,
+                                                &outcome, &signal_number, &error);
+    pl_call_check_end(call, status, &error, signal_number);
     return outcome;
 }
 
@@ -147,28 +133,16 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
                                         .provenance = provenance,
                                         .store = store,
                                         .progress = stderr};
-    char *paths = pl_heap_format("%s/reference-paths", o->request.out);
-    char *known = pl_heap_format("%s/reference.json", o->request.out);
     char *recordings = pl_heap_format("%s/recordings", o->request.out);
-    json_t *before = o->request.resume ? json_load_file(known, 0, NULL) : NULL;
-    if (!o->request.resume) {
-        pl_positions_clear(paths);
-    }
-    if (!o->no_reference && pl_reference_study_due(plan, before) > 0) {
-        pl_call_check(call, pl_make_directories(paths, &error), &error);
-    }
     make_runs(call, o, execution);
-    json_t *reference = make_references(call, o, execution, paths, before);
+    json_t *reference = make_references(call, o, execution);
     const int code = deliver(call, o, pl_store_results(store), reference);
     pl_store_finish(store);
     if (o->request.force) {
         pl_recordings_remove(recordings, pl_store_runs(store));
     }
-    json_decref(before);
     json_decref(reference);
     json_decref(provenance);
-    free(paths);
-    free(known);
     free(recordings);
     return pl_call_end_store(call, store, o->request.out, PL_OK, &error, 0, code);
 }

@@ -17,7 +17,8 @@ import glob, json, os, re, sys
 
 source, build = sys.argv[1:]
 MEMBERS = {"name", "title", "place", "language", "adapter", "words", "colour"}
-OPTIONAL = {"linked": {"debian", "libraries", "headers", "family", "makers", "speed", "results"},
+OPTIONAL = {"linked": {"debian", "libraries", "headers", "family", "makers", "speed", "results",
+                       "not_tuned"},
             "module": {"debian", "headers", "family", "makers", "speed", "results"},
             "script": {"script", "npm", "npm_version", "family", "makers"}}
 engines = []

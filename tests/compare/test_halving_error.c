@@ -1,7 +1,6 @@
 /* The error that halvings of the step leave, and from when on a body differs, on paths that are
  * written by hand. */
 #include "check.h"
-#include "studies/reference/halving_error.h"
 #include "studies/reference/reference_verdict.h"
 
 #include <math.h>

@@ -98,22 +98,22 @@ static void compare(const withheld *scene, double *estimate, double *truth, doub
     const pl_scenario *scenario = pl_scenario_find(scene->scenario, NULL);
     pl_error error = {.message = ""};
     char *folder = make_directory();
-    int signal_number = 0;
     json_t *provenance = json_object();
     assert_non_null(scenario);
     const int count = count_settings(scene);
     assert_int_equal(pl_plan_add_scenario(&known, scenario, scene->settings, count, NULL), PL_OK);
     withhold(&known.cases[0], folder, &plan);
-    const pl_reference_def def = {.original = &plan.cases[0],
-                                  .execution = {.plan = &plan,
-                                                .jobs = 2,
-                                                .limits = {.timeout = 100},
-                                                .positions = folder,
-                                                .provenance = provenance}};
+    pl_reference_work work = {.original = &plan.cases[0],
+                              .execution = {.plan = &plan,
+                                            .jobs = 2,
+                                            .limits = {.timeout = 100},
+                                            .positions = folder,
+                                            .provenance = provenance},
+                              .error = &error};
     pl_reference reference;
-    if (pl_reference_make(&def, &reference, &signal_number, &error) != PL_OK) {
-        print_error("%s\n", error.message);
-        fail();
+    pl_reference_make(&work, &reference);
+    if (work.status != PL_OK) {
+        fail_msg("%s", error.message);
     }
     assert_true(reference.known);
     const pl_body_paths *paths = pl_reference_paths(&reference);

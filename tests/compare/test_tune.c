@@ -2,9 +2,6 @@
  * API. */
 #include "check.h"
 #include "studies/tunable.h"
-#include "studies/tune/space.h"
-#include "studies/tune/target.h"
-#include "studies/tune/tune_search.h"
 #include "studies/tune/tuner.h"
 #include "studies/variant.h"
 
@@ -379,8 +376,32 @@ static void test_file_profile_is_its_base_with_changes(void **state)
     assert_int_equal(pl_engine_choose("plumb:tuend", &choice, &error), PL_BAD_INPUT);
 }
 
-/* Engines have a tuned profile without a file, and it is whole. */
-static void test_tuned_profiles_come_with_the_program(void **state)
+/* Whether a profile of the engine has settings that are tuned. */
+static bool has_tunable(const pl_engine_info *engine)
+{
+    bool any = false;
+    for (int k = 0; k < engine->profile_count * engine->option_count; ++k) {
+        pl_tunable tunable;
+        any = any ||
+              pl_tunable_find(engine, k / engine->option_count, k % engine->option_count, &tunable);
+    }
+    return any;
+}
+
+/* Whether the description of the engine says why it is not tuned. */
+static bool says_why_not(const char *name)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/compare/adapters/%s/engine.json", PLUMB_SOURCE_DIR, name);
+    json_t *description = json_load_file(path, 0, NULL);
+    assert_non_null(description);
+    const bool says = json_string_length(json_object_get(description, "not_tuned")) > 0;
+    json_decref(description);
+    return says;
+}
+
+/* Each that has settings to tune and that can do the boxes on which all are tuned; the profile is whole. */
+static void test_linked_engines_have_tuned_profiles(void **state)
 {
     (void)state;
     int count = 0, with_profile = 0;
@@ -394,6 +415,12 @@ static void test_tuned_profiles_come_with_the_program(void **state)
             continue;
         }
         assert_int_equal(pl_tuned_profile_find(engine, "tuned", &tuned, &found, NULL), PL_OK);
+        if (!found && has_tunable(engine) && (engine->capabilities & PL_NEEDS_BOX) != 0 &&
+            !says_why_not(engine->name)) {
+            fail_msg("%s: engines/tuned_profiles.json has no profile of it, and its engine.json no "
+                     "\"not_tuned\" that says why",
+                     engine->name);
+        }
         with_profile += found;
         assert_true(!found || pl_engine_profile_index(engine, tuned.base) >= 0);
         for (int k = 0; found && k < engine->option_count; ++k) {
@@ -418,7 +445,7 @@ int main(void)
         cmocka_unit_test(test_engine_api_code_lists_changed_values_only),
         cmocka_unit_test(test_held_out_scenarios_are_not_tuned_on),
         cmocka_unit_test(test_file_profile_is_its_base_with_changes),
-        cmocka_unit_test(test_tuned_profiles_come_with_the_program),
+        cmocka_unit_test(test_linked_engines_have_tuned_profiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

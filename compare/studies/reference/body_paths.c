@@ -62,7 +62,72 @@ double pl_body_paths_distance(const pl_body_paths *a, const pl_body_paths *b, in
     return sqrt(square);
 }
 
-long pl_body_paths_common(const pl_body_paths *a, const pl_body_paths *b)
+/* ---- The error that halvings of the step leave ---- */
+
+const double pl_halving_window = 0.1;
+
+/* Of the last halvings this number counts. */
+enum { TRUSTED = 2 };
+
+static const double least_rate = 0.25;
+static const double largest_rate = 0.70710678118654752;
+
+long pl_halving_samples(const pl_body_paths *levels, int count)
 {
-    return a->samples < b->samples ? a->samples : b->samples;
+    long samples = levels[0].samples;
+    for (int k = 1; k < count; ++k) {
+        samples = levels[k].samples < samples ? levels[k].samples : samples;
+    }
+    return samples;
+}
+
+/* changes[i] is the largest distance of a body between two levels within the window about i. */
+static void windowed_changes(const pl_body_paths *fine, const pl_body_paths *coarse, int body,
+                             long samples, long reach, double *changes)
+{
+    for (long i = 0; i < samples; ++i) {
+        changes[i] = 0;
+    }
+    for (long i = 0; i < samples; ++i) {
+        const double change = pl_body_paths_distance(fine, coarse, body, i);
+        const long first = i > reach ? i - reach : 0;
+        const long last = i + reach < samples ? i + reach : samples - 1;
+        for (long k = first; k <= last; ++k) {
+            changes[k] = fmax(changes[k], change);
+        }
+    }
+}
+
+/* The error that is left after the last of `count` changes, which stand `stride` apart, the last one
+ * first. */
+static double remaining(const double *changes, long stride, int count)
+{
+    const double before = count > 1 ? changes[stride] : 2 * changes[0];
+    const double observed = before > 0 ? changes[0] / before : largest_rate;
+    const double rate = fmin(fmax(observed, least_rate), largest_rate);
+    double last = changes[0], trust = 1;
+    for (int k = 1; k < count; ++k) {
+        trust *= least_rate;
+        last = fmax(last, trust * changes[k * stride]);
+    }
+    return last * rate / (1 - rate);
+}
+
+void pl_halving_error(const pl_body_paths *levels, int count, double interval, double *error)
+{
+    const long samples = pl_halving_samples(levels, count);
+    const long reach = (long)ceil(pl_halving_window / interval);
+    const int bodies = levels[0].bodies;
+    const int halvings = count - 1 < TRUSTED ? count - 1 : TRUSTED;
+    double *changes = pl_heap_new(TRUSTED * (size_t)samples, sizeof *changes);
+    for (int body = 0; body < bodies; ++body) {
+        for (int k = 0; k < halvings; ++k) {
+            windowed_changes(&levels[count - 1 - k], &levels[count - 2 - k], body, samples, reach,
+                             changes + k * samples);
+        }
+        for (long i = 0; i < samples; ++i) {
+            error[i * bodies + body] = remaining(changes + i, samples, halvings);
+        }
+    }
+    free(changes);
 }

@@ -1,7 +1,6 @@
 #include "converged_reference.h"
 
 #include "base/heap.h"
-#include "halving_error.h"
 #include "plumb/jitter.h"
 #include "runner/positions.h"
 
@@ -10,16 +9,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-const double pl_reference_most_work = 2e5;
 const double pl_reference_share = 0.01, pl_reference_least_bound = 1e-3, pl_reference_safety = 3;
-const double pl_reference_floor = 1e-6;
-
 const char pl_reference_engine[] = "plumb:accurate";
-const pl_reference_candidate pl_reference_candidates[PL_REFERENCE_CANDIDATES] = {
-    {"ode:dantzig", 30}, {"mujoco:recommended", 30}, {"bullet:recommended", INT_MAX}};
 
+/* Every engine runs at this many steps, by which one is chosen to confirm the reference. */
+enum { LEAST_LEVELS = 3 };
+
+/* A scene that takes more steps times bodies at the asked step gets no reference, and after dt / 4 no smaller step is
+ * tried at which a run would. */
+static const double most_work = 2e5;
+/* No error is estimated smaller than this share of the smallest body's size. */
+static const double floor_share = 1e-6;
 /* The halvings end where the estimated error is at most this share of each body's bound. */
 static const double aim = 0.1;
+
+/* The engines that may confirm a reference. */
+static const struct {
+    const char *spec;
+    int most_bodies; /* dynamic ones: a step of a dense solver costs their number cubed */
+} candidates[PL_REFERENCE_CANDIDATES] = {
+    {"ode:dantzig", 30}, {"mujoco:recommended", 30}, {"bullet:recommended", INT_MAX}};
 
 bool pl_reference_applies(const pl_case *test_case)
 {
@@ -28,7 +37,8 @@ bool pl_reference_applies(const pl_case *test_case)
            scene->value_count + scene->statistic_count == 0 && pl_positions_bodies(scene) > 0;
 }
 
-double pl_reference_bound(const pl_body *body)
+/* The bound of a body from its size, m. */
+static double bound_of(const pl_body *body)
 {
     pl_body copy = *body;
     const pl_scene alone = {.bodies = &copy, .body_count = 1};
@@ -37,42 +47,66 @@ double pl_reference_bound(const pl_body *body)
 
 /* ---- Runs ---- */
 
+pl_plan pl_reference_plan(const pl_reference_work *work)
+{
+    return (pl_plan){.repeats = 1, .seed = work->execution.plan->seed};
+}
+
+const json_t *pl_reference_result(const pl_reference_work *work, const char *run)
+{
+    pl_store *store = work->execution.store;
+    return store == NULL ? NULL : pl_store_find(store, run);
+}
+
+void pl_reference_hash(const pl_plan *plan, const pl_case *test_case,
+                       const pl_configuration *configuration, char run[17])
+{
+    const pl_planned_run planned = {.test_case = test_case, .configuration = configuration};
+    pl_planned_run_hash(plan, &planned, run);
+}
+
+/* Whether a run is known to leave no path to its end. */
+static bool is_hopeless(void *user, const char *run)
+{
+    const pl_outcome outcome =
+        pl_outcome_named(pl_json_get_text(pl_reference_result(user, run), "outcome"));
+    return outcome == PL_OUTCOME_CRASHED || outcome == PL_OUTCOME_TIMEOUT ||
+           outcome == PL_OUTCOME_UNSUPPORTED;
+}
+
+bool pl_reference_goes_on(const pl_reference_work *work)
+{
+    return work->status == PL_OK && work->signal_number == 0;
+}
+
+bool pl_reference_run(pl_reference_work *work, const pl_plan *plan, long stride)
+{
+    pl_execution_def execution = work->execution;
+    execution.plan = plan;
+    execution.needs_positions = true;
+    execution.positions_stride = stride;
+    execution.user = work;
+    execution.skip = is_hopeless;
+    if (execution.bar != NULL) {
+        execution.bar->total += pl_execution_due(&execution);
+    }
+    if (pl_reference_goes_on(work)) {
+        work->status = pl_execute(&execution, &work->signal_number, work->error);
+    }
+    return pl_reference_goes_on(work);
+}
+
 /* A reference in the making. */
 typedef struct making {
-    const pl_reference_def *def;
+    pl_reference_work *work;
     pl_reference *reference;
     pl_plan plan; /* a case a level; the engines are the configurations */
-    json_t *last; /* results of the level in progress */
 } making;
-
-static pl_status keep_result(void *user, json_t *result, pl_error *error)
-{
-    const making *m = user;
-    (void)error;
-    json_array_append(m->last, result);
-    return PL_OK;
-}
-
-/* Keeps why an engine has no path at a level. */
-static void note_reason(making *m, int engine, pl_reference_runs *runs, double dt)
-{
-    size_t index;
-    const json_t *result;
-    json_array_foreach(m->last, index, result)
-    {
-        const char *reason = pl_json_get_text(result, "reason");
-        const char *outcome = pl_json_get_text(result, "outcome");
-        if (strcmp(pl_json_get_text(result, "label"), m->plan.configurations[engine].label) == 0) {
-            snprintf(runs->reason, sizeof runs->reason, "%.20s at a step of %.3g s%s%.180s",
-                     outcome, dt, reason[0] == '\0' ? "" : ": ", reason);
-        }
-    }
-}
 
 static double largest_distance(const pl_body_paths *a, const pl_body_paths *b)
 {
     double largest = 0;
-    for (long i = 0; i < pl_body_paths_common(a, b); ++i) {
+    for (long i = 0; i < a->samples && i < b->samples; ++i) {
         for (int body = 0; body < a->bodies; ++body) {
             largest = fmax(largest, pl_body_paths_distance(a, b, body, i));
         }
@@ -85,19 +119,21 @@ static void take_run(making *m, int engine, int level)
 {
     pl_reference_runs *runs = &m->reference->engines[engine];
     const pl_case *test_case = &m->plan.cases[level];
-    const pl_planned_run planned = {.test_case = test_case,
-                                    .configuration = &m->plan.configurations[engine]};
     pl_body_paths *paths = &runs->levels[level];
     char run[17];
-    pl_planned_run_hash(&m->plan, &planned, run);
-    *paths = pl_body_paths_read(m->def->execution.positions, run, &test_case->scene,
+    pl_reference_hash(&m->plan, test_case, &m->plan.configurations[engine], run);
+    *paths = pl_body_paths_read(m->work->execution.positions, run, &test_case->scene,
                                 m->reference->stride << level);
+    const json_t *result = pl_reference_result(m->work, run);
     if (paths->completed && runs->count == level) {
         runs->count += 1;
         runs->change[level] =
             level == 0 ? (double)NAN : largest_distance(paths, &runs->levels[level - 1]);
-    } else {
-        note_reason(m, engine, runs, test_case->scene.dt);
+    } else if (result != NULL) {
+        const char *reason = pl_json_get_text(result, "reason");
+        snprintf(runs->reason, sizeof runs->reason, "%.20s at a step of %.3g s%s%.180s",
+                 pl_json_get_text(result, "outcome"), test_case->scene.dt,
+                 reason[0] == '\0' ? "" : ": ", reason);
     }
 }
 
@@ -106,52 +142,36 @@ static void take_run(making *m, int engine, int level)
 static bool takes_part(const pl_reference *reference, int engine, int level)
 {
     return reference->engines[engine].count == level &&
-           (level < PL_REFERENCE_LEAST_LEVELS || engine == 0 || engine == reference->second);
+           (level < LEAST_LEVELS || engine == 0 || engine == reference->second);
 }
 
-static pl_status add_level(making *m, int level, pl_error *error)
+/* Runs the engines that take part in a level, and reads their paths. */
+static void run_level(making *m, int level)
 {
+    const pl_case *original = m->work->original;
+    json_t *study = json_pack("{s:s}", "name", "reference");
     m->plan.variation = (pl_variation){.refinement = 1 << level};
-    m->plan.study = m->def->study;
+    m->plan.study = study;
     m->plan.pairing_count = 0;
     for (int i = 0; i < m->reference->engine_count; ++i) {
         if (takes_part(m->reference, i, level)) {
             pl_plan_add_pairing(&m->plan, level, i);
         }
     }
-    return pl_plan_add_values(&m->plan, m->def->original->descriptor, m->def->original->params,
-                              NULL, error);
-}
-
-/* Runs the engines that take part in a level, and reads their paths. */
-static pl_status run_level(making *m, int level, int *signal_number, pl_error *error)
-{
-    pl_execution_def execution = m->def->execution;
-    pl_status status = add_level(m, level, error);
-    if (status != PL_OK) {
-        return status;
-    }
-    execution.plan = &m->plan;
-    execution.needs_positions = true;
-    execution.positions_stride = m->reference->stride << level;
-    execution.user = m;
-    execution.take = keep_result;
-    if (execution.bar != NULL) {
-        execution.bar->total += m->plan.pairing_count;
-    }
-    json_array_clear(m->last);
-    status = pl_execute(&execution, signal_number, error);
-    for (int k = 0; k < m->plan.pairing_count && status == PL_OK && *signal_number == 0; ++k) {
+    m->work->status =
+        pl_plan_add_values(&m->plan, original->descriptor, original->params, NULL, m->work->error);
+    json_decref(study);
+    const bool are_made = pl_reference_run(m->work, &m->plan, m->reference->stride << level);
+    for (int k = 0; k < m->plan.pairing_count && are_made; ++k) {
         take_run(m, m->plan.pairings[k].configuration, level);
     }
-    return status;
 }
 
 /* The candidate nearest to the reference's own engine at the third step: where they have one limit,
  * the one that converges best. */
 static void choose_second(pl_reference *reference)
 {
-    const int level = PL_REFERENCE_LEAST_LEVELS - 1;
+    const int level = LEAST_LEVELS - 1;
     reference->second = 0;
     for (int i = 1; i < reference->engine_count; ++i) {
         pl_reference_runs *runs = &reference->engines[i];
@@ -280,14 +300,12 @@ static void evaluate(pl_reference *reference)
 
 /* ---- The whole ---- */
 
-static void prepare(making *m)
+static void prepare(pl_reference *reference, const pl_scene *scene)
 {
-    pl_reference *reference = m->reference;
-    const pl_scene *scene = &m->def->original->scene;
     reference->dt = scene->dt;
     reference->stride = pl_positions_stride(scene->dt);
     reference->interval = (double)reference->stride * scene->dt;
-    reference->floor = pl_reference_floor * pl_scene_least_size(scene);
+    reference->floor = floor_share * pl_scene_least_size(scene);
     reference->confirmed = (double)NAN;
     reference->most_disputed = -1;
     reference->samples = pl_scene_steps(scene) / reference->stride + 1;
@@ -298,107 +316,88 @@ static void prepare(making *m)
     reference->horizon = pl_heap_new(bodies, sizeof *reference->horizon);
     reference->error = pl_heap_new(count, sizeof *reference->error);
     reference->allowance = pl_heap_new(count, sizeof *reference->allowance);
-    m->last = json_array();
     for (int i = 0; i < scene->body_count; ++i) {
         if (!scene->bodies[i].is_static) {
             reference->body[reference->bodies] = i;
-            reference->bounds[reference->bodies++] = pl_reference_bound(&scene->bodies[i]);
+            reference->bounds[reference->bodies++] = bound_of(&scene->bodies[i]);
         }
     }
 }
 
 /* The reference's own engine, and those candidates that this build has. */
-static pl_status add_engines(making *m, pl_error *error)
+static void add_engines(making *m)
 {
-    const int candidates = m->def->without_second ? 0 : PL_REFERENCE_CANDIDATES;
-    pl_status status = pl_plan_add_engine(&m->plan, pl_reference_engine, error);
-    for (int i = 0; i < candidates && status == PL_OK; ++i) {
-        const pl_reference_candidate *candidate = &pl_reference_candidates[i];
-        if (m->reference->bodies <= candidate->most_bodies) {
-            status = pl_plan_add_engine(&m->plan, candidate->spec, error);
+    pl_status status = pl_plan_add_engine(&m->plan, pl_reference_engine, m->work->error);
+    for (int i = 0; i < PL_REFERENCE_CANDIDATES && status == PL_OK; ++i) {
+        if (m->reference->bodies <= candidates[i].most_bodies) {
+            status = pl_plan_add_engine(&m->plan, candidates[i].spec, m->work->error);
             status = status == PL_UNSUPPORTED ? PL_OK : status;
         }
     }
+    m->work->status = status;
     m->reference->engine_count = m->plan.configuration_count;
     for (int i = 0; i < m->reference->engine_count; ++i) {
-        snprintf(m->reference->engines[i].label, sizeof m->reference->engines[i].label, "%s",
-                 m->plan.configurations[i].label);
+        memcpy(m->reference->engines[i].label, m->plan.configurations[i].label, PL_LABEL_SIZE);
     }
-    return status;
 }
 
-/* How many steps may be tried. */
-static int most_levels(const pl_reference *reference, const pl_scene *scene)
+/* How many steps may be tried; 0: the scene is too large, as the reference then says. */
+static int most_levels(pl_reference *reference, const pl_scene *scene)
 {
     const double work = (double)pl_scene_steps(scene) * reference->bodies;
-    int levels = PL_REFERENCE_LEAST_LEVELS;
-    while (levels < PL_REFERENCE_LEVELS && work * (1 << levels) <= pl_reference_most_work) {
+    int levels = LEAST_LEVELS;
+    if (work > most_work) {
+        snprintf(reference->reason, sizeof reference->reason,
+                 "the scene takes %.3g steps times bodies, more than %.0f", work, most_work);
+        return 0;
+    }
+    while (levels < PL_REFERENCE_LEVELS && work * (1 << levels) <= most_work) {
         levels += 1;
     }
     return levels;
 }
 
-static bool is_too_large(pl_reference *reference, const pl_scene *scene)
-{
-    const double work = (double)pl_scene_steps(scene) * reference->bodies;
-    if (work > pl_reference_most_work) {
-        snprintf(reference->reason, sizeof reference->reason,
-                 "the scene takes %.3g steps times bodies, more than %.0f", work,
-                 pl_reference_most_work);
-    }
-    return work > pl_reference_most_work;
-}
-
-static pl_status halve(making *m, int *signal_number, pl_error *error)
+/* Halves the step until that is enough, and evaluates the levels that ran. */
+static void halve(making *m)
 {
     pl_reference *reference = m->reference;
     const pl_reference_runs *own = &reference->engines[0];
-    const int most = most_levels(reference, &m->def->original->scene);
-    bool enough = false;
-    pl_status status = PL_OK;
-    for (int level = 0;
-         level < most && own->count == level && !enough && status == PL_OK && *signal_number == 0;
-         ++level) {
-        status = run_level(m, level, signal_number, error);
-        if (level == PL_REFERENCE_LEAST_LEVELS - 1) {
+    const int most = most_levels(reference, &m->work->original->scene);
+    for (int level = 0; level < most && own->count == level; ++level) {
+        run_level(m, level);
+        if (!pl_reference_goes_on(m->work)) {
+            return;
+        }
+        if (level == LEAST_LEVELS - 1) {
             choose_second(reference);
         }
-        if (level >= PL_REFERENCE_LEAST_LEVELS - 1 && own->count > level && status == PL_OK &&
-            *signal_number == 0) {
+        if (level >= LEAST_LEVELS - 1 && own->count > level) {
             evaluate(reference);
-            enough = is_enough(reference);
+            if (is_enough(reference)) {
+                break;
+            }
         }
     }
-    return status;
-}
-
-pl_status pl_reference_make(const pl_reference_def *def, pl_reference *reference,
-                            int *signal_number, pl_error *error)
-{
-    *reference = (pl_reference){.known = false};
-    making m = {.def = def, .reference = reference, .plan = {.repeats = 1}};
-    const pl_reference_runs *own = &reference->engines[0];
-    m.plan.seed = def->execution.plan->seed;
-    *signal_number = 0;
-    prepare(&m);
-    pl_status status = add_engines(&m, error);
-    if (status == PL_OK && !is_too_large(reference, &def->original->scene)) {
-        status = halve(&m, signal_number, error);
-    }
-    reference->known = own->count >= PL_REFERENCE_LEAST_LEVELS;
-    if (status == PL_OK && *signal_number == 0 && reference->known) {
-        evaluate(reference);
-        if (reference->second > 0) {
-            dispute(reference);
-        }
+    reference->known = own->count >= LEAST_LEVELS;
+    if (reference->known && reference->second > 0) {
+        dispute(reference);
     }
     if (!reference->known && reference->reason[0] == '\0') {
         snprintf(reference->reason, sizeof reference->reason, "%s %s", pl_reference_engine,
                  own->reason);
     }
+}
+
+void pl_reference_make(pl_reference_work *work, pl_reference *reference)
+{
+    *reference = (pl_reference){.known = false};
+    making m = {.work = work, .reference = reference, .plan = pl_reference_plan(work)};
+    prepare(reference, &work->original->scene);
+    add_engines(&m);
+    if (pl_reference_goes_on(work)) {
+        halve(&m);
+    }
     pl_plan_free(&m.plan);
-    json_decref(m.last);
-    return status;
 }
 
 const pl_body_paths *pl_reference_paths(const pl_reference *reference)

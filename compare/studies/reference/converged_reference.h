@@ -1,5 +1,5 @@
 /* A converged reference for one scene: the paths of plumb:accurate at the finest of several steps
- * dt, dt/2, dt/4, ..., with their estimated error over time (halving_error.h), and a second engine
+ * dt, dt/2, dt/4, ..., with their estimated error over time (body_paths.h), and a second engine
  * at the same steps that confirms them or does not.
  *
  * Two codes that share no line and converge to one answer are hardly both wrong in the same way, so
@@ -17,36 +17,47 @@
 #include "runner/execute.h"
 
 /* The largest number of steps that are tried: dt to dt / 64. */
-enum { PL_REFERENCE_LEVELS = 7, PL_REFERENCE_LEAST_LEVELS = 3, PL_REFERENCE_CANDIDATES = 3 };
+enum { PL_REFERENCE_LEVELS = 7, PL_REFERENCE_CANDIDATES = 3 };
 
-/* Bounds of the cost: a scene that takes more steps times bodies at the asked step gets no reference,
- * and after dt / 4 no smaller step is tried at which a run would. */
-extern const double pl_reference_most_work;
 /* A body differs beyond this share of its size (its smallest dimension), but at least beyond
  * pl_reference_least_bound (m), and beyond pl_reference_safety times the error of the reference. */
 extern const double pl_reference_share, pl_reference_least_bound, pl_reference_safety;
-/* No error is estimated smaller than this share of the smallest body's size. */
-extern const double pl_reference_floor;
 
 /* The spec of the engine that makes references. */
 extern const char pl_reference_engine[];
 
-/* An engine that may confirm a reference. */
-typedef struct pl_reference_candidate {
-    const char *spec;
-    int most_bodies; /* dynamic ones: a step of a dense solver costs their number cubed */
-} pl_reference_candidate;
+/* ---- Runs ---- */
 
-extern const pl_reference_candidate pl_reference_candidates[PL_REFERENCE_CANDIDATES];
+/* A case of a scene file and how its runs are made. */
+typedef struct pl_reference_work {
+    const pl_case *original; /* borrowed */
+    /* All but the plan is used. `positions` is an existing folder. The plan has the configurations to judge and
+     * the seed. */
+    pl_execution_def execution;
+    pl_status status;  /* of the first call that failed; its error is in *error */
+    pl_error *error;   /* borrowed */
+    int signal_number; /* that ended the runs; 0: none */
+} pl_reference_work;
 
-/* What a reference is made of. The pointers are borrowed. */
-typedef struct pl_reference_def {
-    const pl_case *original;    /* a case of a scene file */
-    pl_execution_def execution; /* all but the plan is used */
-    json_t *study;              /* that the runs belong to, as in results */
-    const json_t *results;      /* of the compared configurations; NULL: none is known */
-    bool without_second;        /* for tests: no engine confirms it */
-} pl_reference_def;
+/* Whether no call failed, and no signal ended the runs. */
+bool pl_reference_goes_on(const pl_reference_work *work);
+
+/* A plan without cases and engines, with the seed of the work. */
+pl_plan pl_reference_plan(const pl_reference_work *work);
+
+/* Makes the runs of a plan, with their positions every `stride` steps (0: pl_positions_stride), but not those that are
+ * known to have crashed, to have timed out or to be unsupported; and none where the work does not go on. Returns whether
+ * the work goes on. */
+bool pl_reference_run(pl_reference_work *work, const pl_plan *plan, long stride);
+
+/* The hash of the first run of a case on a configuration. */
+void pl_reference_hash(const pl_plan *plan, const pl_case *test_case,
+                       const pl_configuration *configuration, char run[17]);
+
+/* The result of a run in the store; NULL: it has none. Borrowed. */
+const json_t *pl_reference_result(const pl_reference_work *work, const char *run);
+
+/* ---- The reference ---- */
 
 /* One engine at the steps that it was run at. */
 typedef struct pl_reference_runs {
@@ -88,13 +99,9 @@ typedef struct pl_reference {
 /* Whether a case is one of a scene file that expects nothing and in which something can move. */
 bool pl_reference_applies(const pl_case *test_case);
 
-/* The bound of a body from its size, m. */
-double pl_reference_bound(const pl_body *body);
-
 /* Runs the engines and evaluates them. Runs that fail are no error: the reference is then not known.
- * A signal ends it as in pl_execute. The caller frees *reference in any case. */
-pl_status pl_reference_make(const pl_reference_def *def, pl_reference *reference,
-                            int *signal_number, pl_error *error);
+ * The caller frees *reference in any case. */
+void pl_reference_make(pl_reference_work *work, pl_reference *reference);
 
 /* The reference's paths: those at the finest step. */
 const pl_body_paths *pl_reference_paths(const pl_reference *reference);

@@ -1,4 +1,5 @@
-#include "reference_json.h"
+/* A judged case as an item of `cases` of plumb.reference/1. */
+#include "reference_verdict.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,17 +11,20 @@ json_t *pl_reference_runs_json(const pl_plan *plan, const pl_case *test_case)
     json_t *runs = json_array();
     pl_plan own = {.repeats = 1, .seed = plan->seed};
     pl_plan_add_engine(&own, pl_reference_engine, NULL);
-    for (int i = 0; i < plan->configuration_count + own.configuration_count; ++i) {
-        const bool of_plan = i < plan->configuration_count;
-        const pl_planned_run planned = {.test_case = test_case,
-                                        .configuration = of_plan ? &plan->configurations[i]
-                                                                 : &own.configurations[0]};
+    for (int i = 0; i <= plan->configuration_count; ++i) {
+        const pl_configuration *configuration =
+            i < plan->configuration_count ? &plan->configurations[i] : own.configurations;
         char run[17];
-        pl_planned_run_hash(plan, &planned, run);
+        pl_reference_hash(plan, test_case, configuration, run);
         json_array_append_new(runs, json_string(run));
     }
     pl_plan_free(&own);
     return runs;
+}
+
+static json_t *text_or_null(const char *text)
+{
+    return text[0] == '\0' ? json_null() : pl_json_text(text);
 }
 
 static json_t *numbers(const double *values, int count)
@@ -43,12 +47,12 @@ static json_t *engines_json(const pl_reference *reference)
             steps[k] = reference->dt / (1 << k);
         }
         const char *role = i == 0 ? "reference" : i == reference->second ? "confirms" : "candidate";
-        json_array_append_new(
-            engines,
-            json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "label", runs->label, "role", role, "steps",
-                      numbers(steps, runs->count), "changes", numbers(runs->change, runs->count),
-                      "apart", pl_json_number_or_null(i == 0 ? (double)NAN : runs->apart), "reason",
-                      runs->reason[0] == '\0' ? json_null() : pl_json_text(runs->reason)));
+        json_array_append_new(engines,
+                              json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "label", runs->label,
+                                        "role", role, "steps", numbers(steps, runs->count),
+                                        "changes", numbers(runs->change, runs->count), "apart",
+                                        pl_json_number_or_null(i == 0 ? (double)NAN : runs->apart),
+                                        "reason", text_or_null(runs->reason)));
     }
     return engines;
 }
@@ -121,15 +125,15 @@ static json_t *bodies_json(const pl_reference_verdict *verdict)
     return array;
 }
 
-static json_t *ensemble_json(const pl_reference_verdict *verdict, const pl_after_horizon *after)
+static json_t *ensemble_json(const pl_reference_verdict *verdict)
 {
     static const char *const axes[] = {"x", "y", "z"};
     const pl_reference *reference = verdict->reference;
-    json_t *tests = json_array();
+    const pl_after_horizon *after = &verdict->after;
     if (after->from == reference->samples) {
-        json_decref(tests);
         return json_null();
     }
+    json_t *tests = json_array();
     for (int i = 0; i < after->test_count; ++i) {
         const pl_end_test *t = &after->tests[i];
         const char *name = verdict->test_case->scene.bodies[reference->body[t->body]].name;
@@ -138,32 +142,31 @@ static json_t *ensemble_json(const pl_reference_verdict *verdict, const pl_after
                                                pl_json_text(name), "axis", axes[t->axis], "ks",
                                                t->ks, "p", t->p, "p_corrected", t->corrected));
     }
-    return json_pack(
-        "{s:i, s:f, s:b, s:b, s:o, s:o, s:o}", "members", PL_REFERENCE_MEMBERS, "reference_dt",
-        reference->dt / PL_REFERENCE_MEMBER_REFINEMENT, "made", (int)after->made, "chaotic",
-        (int)after->chaotic, "parted", pl_json_number_or_null(after->parted), "reason",
-        after->reason[0] == '\0' ? json_null() : json_string(after->reason), "tests", tests);
+    return json_pack("{s:i, s:f, s:b, s:b, s:o, s:o, s:o}", "members", PL_REFERENCE_MEMBERS,
+                     "reference_dt", reference->dt / PL_REFERENCE_MEMBER_REFINEMENT, "made",
+                     (int)after->made, "chaotic", (int)after->chaotic, "parted",
+                     pl_json_number_or_null(after->parted), "reason", text_or_null(after->reason),
+                     "tests", tests);
 }
 
-json_t *pl_reference_case_json(const pl_plan *plan, const pl_case *test_case,
-                               const pl_reference *reference, const pl_reference_verdict *verdict,
-                               const pl_after_horizon *after, json_t *sentences)
+json_t *pl_reference_case_json(const pl_reference_work *work, const pl_reference *reference,
+                               const pl_reference_verdict *verdict, json_t *sentences)
 {
-    json_t *item =
-        json_pack("{s:o, s:s, s:f, s:f, s:o, s:b, s:o, s:o, s:O}", "name",
-                  pl_json_text(test_case->name), "scene_hash", test_case->scene_hash, "dt",
-                  test_case->scene.dt, "duration", test_case->scene.duration, "runs",
-                  pl_reference_runs_json(plan, test_case), "known", (int)reference->known, "reason",
-                  reference->known ? json_null() : pl_json_text(reference->reason), "engines",
-                  engines_json(reference), "sentences", sentences);
-    if (verdict == NULL) {
-        return item;
+    const pl_case *test_case = work->original;
+    json_t *item = json_pack(
+        "{s:o, s:s, s:f, s:f, s:o, s:b, s:o, s:o, s:O}", "name", pl_json_text(test_case->name),
+        "scene_hash", test_case->scene_hash, "dt", test_case->scene.dt, "duration",
+        test_case->scene.duration, "runs", pl_reference_runs_json(work->execution.plan, test_case),
+        "known", (int)reference->known, "reason", text_or_null(reference->reason), "engines",
+        engines_json(reference), "sentences", sentences);
+    if (verdict != NULL) {
+        json_t *more =
+            json_pack("{s:f, s:o, s:o, s:i, s:o, s:o, s:o}", "floor", reference->floor,
+                      "estimated_error", error_json(reference), "confirmed_within",
+                      pl_json_number_or_null(reference->confirmed), "disputed_bodies",
+                      reference->disputed, "horizon", horizon_json(reference, verdict->after.from),
+                      "bodies", bodies_json(verdict), "ensemble", ensemble_json(verdict));
+        json_object_update_new(item, more);
     }
-    json_t *more = json_pack(
-        "{s:f, s:o, s:o, s:i, s:o, s:o, s:o}", "floor", reference->floor, "estimated_error",
-        error_json(reference), "confirmed_within", pl_json_number_or_null(reference->confirmed),
-        "disputed_bodies", reference->disputed, "horizon", horizon_json(reference, after->from),
-        "bodies", bodies_json(verdict), "ensemble", ensemble_json(verdict, after));
-    json_object_update_new(item, more);
     return item;
 }

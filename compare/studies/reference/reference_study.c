@@ -1,23 +1,14 @@
 #include "reference_study.h"
 
 #include "base/folding.h"
-#include "reference_json.h"
+#include "base/heap.h"
+#include "reference_verdict.h"
+#include "runner/positions.h"
 
 #include <stdlib.h>
-#include <string.h>
+#include <unistd.h>
 
-/* ---- Which cases ---- */
-
-int pl_reference_study_cases(const pl_plan *plan)
-{
-    int count = 0;
-    for (int i = 0; i < plan->case_count; ++i) {
-        count += pl_reference_applies(&plan->cases[i]);
-    }
-    return count;
-}
-
-/* The item of an earlier outcome with exactly the runs of a case, borrowed; NULL: there is none. */
+/* The item of an earlier outcome with exactly the runs of a case, a new reference; NULL: there is none. */
 static json_t *recall(const json_t *before, const pl_plan *plan, const pl_case *test_case)
 {
     size_t index;
@@ -28,122 +19,54 @@ static json_t *recall(const json_t *before, const pl_plan *plan, const pl_case *
         found = json_equal(json_object_get(item, "runs"), runs) ? item : found;
     }
     json_decref(runs);
-    return found;
+    return json_incref(found);
 }
 
-int pl_reference_study_due(const pl_plan *plan, const json_t *before)
+/* Makes the runs of a case again, with their positions. Returns whether the work goes on. */
+static bool run_with_positions(pl_reference_work *work, pl_case *test_case)
 {
-    int due = 0;
-    for (int i = 0; i < plan->case_count; ++i) {
-        const pl_case *test_case = &plan->cases[i];
-        due += pl_reference_applies(test_case) && recall(before, plan, test_case) == NULL;
-    }
-    return due;
+    pl_plan one = *work->execution.plan;
+    one.cases = test_case;
+    one.case_count = one.repeats = 1;
+    return pl_reference_run(work, &one, 0);
 }
 
-/* ---- Runs of the compared configurations ---- */
-
-/* Whether a run is known to leave no path to its end. */
-static bool is_hopeless(void *user, const char *run)
+/* The item of a case judged by a reference that is known: a new reference; NULL where the work does not go on. */
+static json_t *judge_by(pl_reference_work *work, const pl_reference *reference, json_t *sentences)
 {
-    static const pl_outcome hopeless[] = {PL_OUTCOME_CRASHED, PL_OUTCOME_TIMEOUT,
-                                          PL_OUTCOME_UNSUPPORTED};
-    const pl_reference_def *def = user;
-    size_t index;
-    const json_t *result;
-    json_array_foreach(def->results, index, result)
-    {
-        for (size_t i = 0; i < sizeof hopeless / sizeof hopeless[0]; ++i) {
-            if (strcmp(pl_json_get_text(result, "run"), run) == 0 &&
-                strcmp(pl_json_get_text(result, "outcome"), pl_outcome_name(hopeless[i])) == 0) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
-/* Makes the runs of a case again, with their positions. */
-static pl_status run_with_positions(pl_reference_def *def, pl_case *test_case, int *signal_number,
-                                    pl_error *error)
-{
-    const pl_plan *plan = def->execution.plan;
-    const pl_plan one = {.cases = test_case,
-                         .case_count = 1,
-                         .configurations = plan->configurations,
-                         .configuration_count = plan->configuration_count,
-                         .repeats = 1,
-                         .seed = plan->seed};
-    pl_execution_def execution = def->execution;
-    execution.plan = &one;
-    execution.needs_positions = true;
-    execution.user = def;
-    execution.skip = is_hopeless;
-    const long due = pl_execution_due(&execution);
-    if (due == 0) {
-        return PL_OK;
-    }
-    if (execution.bar != NULL) {
-        execution.bar->total += due;
-    }
-    return pl_execute(&execution, signal_number, error);
-}
-
-/* ---- A case ---- */
-
-/* Judges the configurations by a reference that is known. */
-static pl_status judge_by(const pl_reference_def *def, const pl_reference *reference,
-                          json_t *sentences, json_t **item, int *signal_number, pl_error *error)
-{
-    const pl_plan *plan = def->execution.plan;
-    pl_reference_verdict verdict =
-        pl_reference_judge(plan, def->original, def->execution.positions, def->results, reference);
-    pl_after_horizon after = {.from = 0};
-    const pl_status status = pl_after_horizon_make(def, &verdict, &after, signal_number, error);
-    if (status == PL_OK && *signal_number == 0) {
+    pl_reference_verdict verdict = pl_reference_judge(work, reference);
+    json_t *item = NULL;
+    pl_after_horizon_make(work, &verdict);
+    if (pl_reference_goes_on(work)) {
         pl_reference_sentences(&verdict, sentences);
-        pl_after_horizon_sentences(&verdict, &after, sentences);
-        *item = pl_reference_case_json(plan, def->original, reference, &verdict, &after, sentences);
+        pl_after_horizon_sentences(&verdict, sentences);
+        item = pl_reference_case_json(work, reference, &verdict, sentences);
     }
-    pl_after_horizon_free(&after);
     pl_reference_verdict_free(&verdict);
-    return status;
+    return item;
 }
 
-static pl_status judge_case(const pl_reference_study_def *def, pl_case *test_case, pl_progress *bar,
-                            json_t **item, int *signal_number, pl_error *error)
+/* The item of a case: a new reference; NULL where the work does not go on. */
+static json_t *judge_case(pl_reference_work *work, pl_case *test_case)
 {
     pl_reference reference = {.known = false};
-    pl_reference_def making = {.original = test_case,
-                               .execution = def->execution,
-                               .study = json_pack("{s:s}", "name", "reference"),
-                               .results = def->results};
-    json_t *sentences = json_array();
-    making.execution.progress = NULL;
-    making.execution.bar = bar;
-    *item = NULL;
-    pl_status status = run_with_positions(&making, test_case, signal_number, error);
-    if (status == PL_OK && *signal_number == 0) {
-        status = pl_reference_make(&making, &reference, signal_number, error);
+    json_t *sentences = json_array(), *item = NULL;
+    work->original = test_case;
+    if (run_with_positions(work, test_case)) {
+        pl_reference_make(work, &reference);
     }
-    if (status == PL_OK && *signal_number == 0 && reference.known) {
-        status = judge_by(&making, &reference, sentences, item, signal_number, error);
-    } else if (status == PL_OK && *signal_number == 0) {
-        pl_text_buffer text = {0};
-        pl_text_format(&text, "There is no reference: %s", reference.reason);
-        pl_sentence_add(sentences, &text);
-        *item = pl_reference_case_json(def->execution.plan, test_case, &reference, NULL, NULL,
-                                       sentences);
+    if (pl_reference_goes_on(work) && reference.known) {
+        item = judge_by(work, &reference, sentences);
+    } else if (pl_reference_goes_on(work)) {
+        pl_sentence_add(sentences, "There is no reference: %s", reference.reason);
+        item = pl_reference_case_json(work, &reference, NULL, sentences);
     }
     pl_reference_free(&reference);
-    json_decref(making.study);
     json_decref(sentences);
-    return status;
+    return item;
 }
 
-/* ---- The study ---- */
-
-/* An object of the cases, with the sentences of all. Takes the reference of `cases`. */
+/* An object of the cases, with the sentences of all. */
 static json_t *compose(json_t *cases)
 {
     json_t *sentences = json_array();
@@ -161,49 +84,68 @@ static json_t *compose(json_t *cases)
                                       : json_sprintf("%s: %s", name, json_string_value(sentence)));
         }
     }
-    return json_pack("{s:s, s:f, s:f, s:f, s:o, s:o}", "schema", "plumb.reference/1", "share",
+    return json_pack("{s:s, s:f, s:f, s:f, s:O, s:o}", "schema", "plumb.reference/1", "share",
                      pl_reference_share, "least_bound", pl_reference_least_bound, "safety",
                      pl_reference_safety, "cases", cases, "sentences", sentences);
 }
 
-pl_status pl_reference_study(const pl_reference_study_def *def, json_t **outcome,
-                             int *signal_number, pl_error *error)
+/* The item of a case, of an earlier outcome or judged now: a new reference; NULL where the work does not go on. */
+static json_t *item_of(pl_reference_work *work, const json_t *before, FILE *out, pl_case *test_case)
 {
-    const pl_plan *plan = def->execution.plan;
-    FILE *out = def->execution.progress;
-    pl_progress bar = {.terminal = false};
-    json_t *cases = json_array();
-    pl_status status = PL_OK;
-    *signal_number = 0;
-    *outcome = NULL;
-    if (out != NULL) {
-        bar = pl_progress_begin(out, 0, pl_monotonic_seconds());
+    json_t *item = recall(before, work->execution.plan, test_case);
+    if (item != NULL) {
+        return item;
     }
-    for (int i = 0; i < plan->case_count && status == PL_OK && *signal_number == 0; ++i) {
-        pl_case *test_case = &plan->cases[i];
-        if (!pl_reference_applies(test_case)) {
-            continue;
+    /* Where the display cannot be drawn again, a line for each run would be hundreds of lines. */
+    if (work->execution.bar == NULL) {
+        pl_print_line(out, "%s: a converged reference", test_case->name);
+    }
+    work->status = pl_make_directories(work->execution.positions, work->error);
+    return work->status == PL_OK ? judge_case(work, test_case) : NULL;
+}
+
+/* Writes the outcome of all cases, or removes an earlier one. */
+static pl_status write_outcome(const char *path, json_t *cases, json_t **outcome, pl_error *error)
+{
+    *outcome = json_array_size(cases) == 0 ? NULL : compose(cases);
+    if (*outcome == NULL) {
+        unlink(path);
+        return PL_OK;
+    }
+    return pl_results_write_json(path, *outcome, error);
+}
+
+pl_status pl_reference_study(const pl_execution_def *how, const char *directory, bool resumes,
+                             json_t **outcome, int *signal_number, pl_error *error)
+{
+    char *folder = pl_heap_format("%s/reference-paths", directory),
+         *path = pl_heap_format("%s/reference.json", directory);
+    json_t *before = resumes ? json_load_file(path, 0, NULL) : NULL, *cases = json_array();
+    pl_progress bar = pl_progress_begin(how->progress, 0, pl_monotonic_seconds());
+    pl_reference_work work = {.execution = *how, .error = error};
+    work.execution.positions = folder;
+    work.execution.progress = NULL;
+    work.execution.bar = bar.terminal ? &bar : NULL;
+    if (!resumes) {
+        pl_positions_clear(folder);
+    }
+    for (int i = 0; i < how->plan->case_count && pl_reference_goes_on(&work); ++i) {
+        pl_case *test_case = &how->plan->cases[i];
+        if (pl_reference_applies(test_case)) {
+            json_array_append_new(cases, item_of(&work, before, how->progress, test_case));
         }
-        json_t *item = json_incref(recall(def->before, plan, test_case));
-        if (item == NULL) {
-            /* Where the display cannot be drawn again, a line a run would be hundreds of lines. */
-            if (out != NULL && !bar.terminal) {
-                pl_print_line(out, "%s: a converged reference", test_case->name);
-            }
-            status =
-                judge_case(def, test_case, bar.terminal ? &bar : NULL, &item, signal_number, error);
-        }
-        json_array_append_new(cases, item);
     }
-    if (out != NULL) {
-        pl_progress_end(&bar);
+    pl_progress_end(&bar);
+    if (pl_reference_goes_on(&work)) {
+        work.status = write_outcome(path, cases, outcome, error);
     }
-    if (status != PL_OK || *signal_number != 0) {
-        json_decref(cases);
-        return status;
-    }
-    *outcome = compose(cases);
-    return PL_OK;
+    pl_positions_clear(folder);
+    *signal_number = work.signal_number;
+    json_decref(cases);
+    json_decref(before);
+    free(path);
+    free(folder);
+    return work.status;
 }
 
 void pl_reference_study_print(FILE *out, const json_t *outcome)

@@ -3,6 +3,8 @@
 #include "base/heap.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,29 +54,14 @@ pl_body_verdict pl_body_judge(const pl_reference *reference, const pl_body_paths
     return verdict;
 }
 
-static bool is_unsupported(const json_t *results, const char *run)
+static void judge_engine(const pl_reference_work *work, const pl_configuration *configuration,
+                         const pl_reference *reference, pl_engine_verdict *verdict)
 {
-    size_t index;
-    const json_t *result;
-    bool found = false;
-    json_array_foreach(results, index, result)
-    {
-        found = found || (strcmp(pl_json_get_text(result, "run"), run) == 0 &&
-                          strcmp(pl_json_get_text(result, "outcome"),
-                                 pl_outcome_name(PL_OUTCOME_UNSUPPORTED)) == 0);
-    }
-    return found;
-}
-
-static void judge_engine(const pl_plan *plan, const pl_planned_run *planned, const char *folder,
-                         const json_t *results, const pl_reference *reference,
-                         pl_engine_verdict *verdict)
-{
-    verdict->label = planned->configuration->label;
-    pl_engine_family(planned->configuration->choice.engine->name, verdict->family);
-    pl_planned_run_hash(plan, planned, verdict->run);
-    pl_body_paths paths =
-        pl_body_paths_read(folder, verdict->run, &planned->test_case->scene, reference->stride);
+    verdict->label = configuration->label;
+    pl_engine_family(configuration->choice.engine->name, verdict->family);
+    pl_reference_hash(work->execution.plan, work->original, configuration, verdict->run);
+    pl_body_paths paths = pl_body_paths_read(work->execution.positions, verdict->run,
+                                             &work->original->scene, reference->stride);
     if (paths.samples > 0) {
         verdict->completed = paths.completed;
         verdict->bodies = pl_heap_new((size_t)reference->bodies, sizeof *verdict->bodies);
@@ -84,21 +71,22 @@ static void judge_engine(const pl_plan *plan, const pl_planned_run *planned, con
         verdict->differing += !isnan(verdict->bodies[b].differs_from);
         verdict->straying += !isnan(verdict->bodies[b].strays_at);
     }
-    verdict->is_unsupported = is_unsupported(results, verdict->run);
+    const json_t *result = pl_reference_result(work, verdict->run);
+    verdict->is_unsupported =
+        pl_outcome_named(pl_json_get_text(result, "outcome")) == PL_OUTCOME_UNSUPPORTED;
     pl_body_paths_free(&paths);
 }
 
-pl_reference_verdict pl_reference_judge(const pl_plan *plan, const pl_case *test_case,
-                                        const char *folder, const json_t *results,
+pl_reference_verdict pl_reference_judge(const pl_reference_work *work,
                                         const pl_reference *reference)
 {
-    pl_reference_verdict verdict = {
-        .reference = reference, .test_case = test_case, .engine_count = plan->configuration_count};
+    const pl_plan *plan = work->execution.plan;
+    pl_reference_verdict verdict = {.reference = reference,
+                                    .test_case = work->original,
+                                    .engine_count = plan->configuration_count};
     verdict.engines = pl_heap_new((size_t)verdict.engine_count, sizeof *verdict.engines);
     for (int i = 0; i < verdict.engine_count; ++i) {
-        const pl_planned_run planned = {.test_case = test_case,
-                                        .configuration = &plan->configurations[i]};
-        judge_engine(plan, &planned, folder, results, reference, &verdict.engines[i]);
+        judge_engine(work, &plan->configurations[i], reference, &verdict.engines[i]);
     }
     return verdict;
 }
@@ -109,22 +97,10 @@ void pl_reference_verdict_free(pl_reference_verdict *verdict)
         free(verdict->engines[i].bodies);
     }
     free(verdict->engines);
-    *verdict = (pl_reference_verdict){.engine_count = 0};
+    free(verdict->after.tests);
 }
 
-/* ---- Sentences ---- */
-
-void pl_sentence_add(json_t *sentences, pl_text_buffer *text)
-{
-    char *whole = pl_text_take(text);
-    json_array_append_new(sentences, pl_json_text(whole));
-    free(whole);
-}
-
-static const char *body_name(const pl_reference_verdict *v, int body)
-{
-    return v->test_case->scene.bodies[v->reference->body[body]].name;
-}
+/* ---- Contradictions ---- */
 
 /* Whether an engine of another family than the reference's ran to its end and differs in the body. */
 static bool is_other(const pl_reference_verdict *v, int engine, int body)
@@ -183,27 +159,67 @@ static int count_contradicted(const pl_reference_verdict *v, int *first)
     return count;
 }
 
+/* ---- Sentences ---- */
+
+void pl_sentence_add(json_t *sentences, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    char *text = pl_heap_format_list(format, arguments);
+    va_end(arguments);
+    json_array_append_new(sentences, pl_json_text(text));
+    free(text);
+}
+
+static const char *body_name(const pl_reference_verdict *v, int body)
+{
+    return v->test_case->scene.bodies[v->reference->body[body]].name;
+}
+
+/* The finest step of an engine, s. */
+static double last_step(const pl_reference *reference, const pl_reference_runs *runs)
+{
+    return reference->dt / (1 << (runs->count - 1));
+}
+
 /* Who contradicts the reference. Nobody is judged by it then. */
 static void say_contradiction(const pl_reference_verdict *v, json_t *sentences)
 {
     const pl_reference *reference = v->reference;
     int body = 0, one = 0, other = 0;
+    char more[64] = "";
     const int count = count_contradicted(v, &body);
     pl_reference_is_contradicted(v, body, &one, &other);
     const pl_body_verdict *a = &v->engines[one].bodies[body], *b = &v->engines[other].bodies[body];
-    pl_text_buffer text = {0};
-    pl_text_format(&text,
-                   "%s: %s and %s, which share no code, end %.2g m from each other and %.3g m from "
-                   "the reference, which is %s at a step of %.3g s",
-                   body_name(v, body), v->engines[one].label, v->engines[other].label, apart(a, b),
-                   fmin(a->final, b->final), reference->engines[0].label,
-                   reference->dt / (1 << (reference->engines[0].count - 1)));
     if (count > 1) {
-        pl_text_format(&text, "; so it is with %d bodies in all", count);
+        snprintf(more, sizeof more, "; so it is with %d bodies in all", count);
     }
-    pl_text_add(&text, ". The reference may be wrong: it has no error estimate, and no engine is "
-                       "judged by it");
-    pl_sentence_add(sentences, &text);
+    pl_sentence_add(
+        sentences,
+        "%s: %s and %s, which share no code, end %.2g m from each other and %.3g m from "
+        "the reference, which is %s at a step of %.3g s%s. The reference may be wrong: it has no "
+        "error estimate, and no engine is judged by it",
+        body_name(v, body), v->engines[one].label, v->engines[other].label, apart(a, b),
+        fmin(a->final, b->final), reference->engines[0].label,
+        last_step(reference, &reference->engines[0]), more);
+}
+
+/* Adds whether a second engine confirms the reference. */
+static void say_second(const pl_reference_verdict *v, pl_text_buffer *text)
+{
+    const pl_reference *reference = v->reference;
+    const pl_reference_runs *second = &reference->engines[reference->second];
+    if (reference->second == 0) {
+        pl_text_add(text, "; no other engine confirms it");
+    } else if (reference->disputed == 0) {
+        pl_text_format(text, "; %s at %.3g s %s %.2g m%s", second->label,
+                       last_step(reference, second),
+                       reference->unconfirmed == 0 ? "confirms it to within" : "stays within",
+                       reference->confirmed,
+                       reference->unconfirmed == 0
+                           ? ""
+                           : " of it but has not converged itself, so that nothing confirms it");
+    }
 }
 
 /* Where the reference comes from, and what confirms it. */
@@ -212,41 +228,30 @@ static void say_reference(const pl_reference_verdict *v, json_t *sentences)
     const pl_reference *reference = v->reference;
     const pl_reference_runs *own = &reference->engines[0];
     const pl_reference_runs *second = &reference->engines[reference->second];
-    pl_text_buffer text = {0};
+    pl_text_buffer confirmation = {0};
     double largest = 0;
     for (int b = 0; b < reference->bodies; ++b) {
         for (long i = 0; i < reference->horizon[b]; ++i) {
             largest = fmax(largest, reference->error[i * reference->bodies + b]);
         }
     }
-    pl_text_format(
-        &text, "The reference is %s at a step of %.3g s, with an estimated error of up to %.2g m",
-        own->label, reference->dt / (1 << (own->count - 1)), largest);
-    if (reference->second == 0) {
-        pl_text_add(&text, "; no other engine confirms it");
-    } else if (reference->disputed == 0) {
-        pl_text_format(&text, "; %s at %.3g s %s %.2g m%s", second->label,
-                       reference->dt / (1 << (second->count - 1)),
-                       reference->unconfirmed == 0 ? "confirms it to within" : "stays within",
-                       reference->confirmed,
-                       reference->unconfirmed == 0
-                           ? ""
-                           : " of it but has not converged itself, so that nothing confirms it");
+    say_second(v, &confirmation);
+    char *text = pl_text_take(&confirmation);
+    pl_sentence_add(
+        sentences,
+        "The reference is %s at a step of %.3g s, with an estimated error of up to %.2g m%s",
+        own->label, last_step(reference, own), largest, text);
+    free(text);
+    if (reference->disputed > 0) {
+        const int body = reference->most_disputed;
+        pl_sentence_add(sentences,
+                        "%s and %s converge to different answers: %s ends %.3g m apart; what lies "
+                        "within three times their distance is not judged",
+                        own->label, second->label, body_name(v, body),
+                        pl_body_paths_distance(pl_reference_paths(reference),
+                                               &second->levels[second->count - 1], body,
+                                               reference->horizon[body] - 1));
     }
-    pl_sentence_add(sentences, &text);
-    if (reference->disputed == 0) {
-        return;
-    }
-    const int body = reference->most_disputed;
-    const long last = reference->horizon[body] - 1;
-    const double apart = pl_body_paths_distance(pl_reference_paths(reference),
-                                                &second->levels[second->count - 1], body, last);
-    pl_text_format(
-        &text,
-        "%s and %s converge to different answers: %s ends %.3g m apart; what lies within "
-        "three times their distance is not judged",
-        own->label, second->label, body_name(v, body), apart);
-    pl_sentence_add(sentences, &text);
 }
 
 /* Whether at least one other configuration ran to its end, and all of them are near the reference in
@@ -274,15 +279,14 @@ static void say_body(const pl_reference_verdict *v, int engine, int body, json_t
     const pl_engine_verdict *e = &v->engines[engine];
     const pl_body_verdict *b = &e->bodies[body];
     const bool to_end = e->completed && v->reference->horizon[body] >= v->reference->samples;
-    pl_text_buffer text = {0};
-    pl_text_format(&text, "%s: %s %s %.3g m away from %s", body_name(v, body), e->label,
-                   to_end ? "ends" : "is", b->final,
-                   others_agree(v, engine, body) ? "the others" : "the reference");
+    char when[32] = "";
     if (!to_end) {
-        pl_text_format(&text, " at t = %.3g s", b->until);
+        snprintf(when, sizeof when, " at t = %.3g s", b->until);
     }
-    pl_text_format(&text, ", from t = %.2g s on", b->differs_from);
-    pl_sentence_add(sentences, &text);
+    pl_sentence_add(sentences, "%s: %s %s %.3g m away from %s%s, from t = %.2g s on",
+                    body_name(v, body), e->label, to_end ? "ends" : "is", b->final,
+                    others_agree(v, engine, body) ? "the others" : "the reference", when,
+                    b->differs_from);
 }
 
 /* The same of many bodies at once. */
@@ -297,13 +301,11 @@ static void say_bodies(const pl_reference_verdict *v, int engine, json_t *senten
             worst = worst < 0 || e->bodies[b].final > e->bodies[worst].final ? b : worst;
         }
     }
-    pl_text_buffer text = {0};
-    pl_text_format(&text,
-                   "%d of %d bodies: %s differs from the reference, most of all in %s, by %.3g m, "
-                   "and first in %s, from t = %.2g s on",
-                   e->differing, v->reference->bodies, e->label, body_name(v, worst),
-                   e->bodies[worst].final, body_name(v, first), e->bodies[first].differs_from);
-    pl_sentence_add(sentences, &text);
+    pl_sentence_add(sentences,
+                    "%d of %d bodies: %s differs from the reference, most of all in %s, by %.3g m, "
+                    "and first in %s, from t = %.2g s on",
+                    e->differing, v->reference->bodies, e->label, body_name(v, worst),
+                    e->bodies[worst].final, body_name(v, first), e->bodies[first].differs_from);
 }
 
 /* A body of an engine that differs. */
@@ -345,12 +347,10 @@ static void say_differences(const pl_reference_verdict *v, json_t *sentences)
         say_body(v, single[i].engine, single[i].body, sentences);
     }
     if (count > MOST_SINGLE_SENTENCES) {
-        pl_text_buffer text = {0};
         const size_t left = count - MOST_SINGLE_SENTENCES;
-        pl_text_format(&text, "%zu more %s, by %.3g m at most", left,
-                       left == 1 ? "body of an engine differs" : "bodies of engines differ",
-                       single[MOST_SINGLE_SENTENCES].final);
-        pl_sentence_add(sentences, &text);
+        pl_sentence_add(sentences, "%zu more %s, by %.3g m at most", left,
+                        left == 1 ? "body of an engine differs" : "bodies of engines differ",
+                        single[MOST_SINGLE_SENTENCES].final);
     }
     free(single);
 }
@@ -368,16 +368,15 @@ static void say_strays(const pl_reference_verdict *v, json_t *sentences)
                         : worst;
         }
         if (worst >= 0) {
-            pl_text_buffer text = {0};
-            pl_text_format(&text,
-                           "%s: %s is up to %.3g m away from the reference, at t = %.3g s, "
-                           "and near it again at the end",
-                           body_name(v, worst), e->label, e->bodies[worst].stray,
-                           e->bodies[worst].strays_at);
+            char more[64] = "";
             if (e->straying > 1) {
-                pl_text_format(&text, "; so are %d bodies in all", e->straying);
+                snprintf(more, sizeof more, "; so are %d bodies in all", e->straying);
             }
-            pl_sentence_add(sentences, &text);
+            pl_sentence_add(sentences,
+                            "%s: %s is up to %.3g m away from the reference, at t = %.3g s, "
+                            "and near it again at the end%s",
+                            body_name(v, worst), e->label, e->bodies[worst].stray,
+                            e->bodies[worst].strays_at, more);
         }
     }
 }
@@ -388,13 +387,11 @@ static void say_missing(const pl_reference_verdict *v, json_t *sentences)
     for (int i = 0; i < v->engine_count; ++i) {
         const pl_engine_verdict *e = &v->engines[i];
         if (e->bodies == NULL || !e->completed) {
-            pl_text_buffer text = {0};
-            pl_text_format(&text, "%s is %s", e->label,
-                           e->is_unsupported ? "not compared: it does not support the scene"
-                           : e->bodies == NULL
-                               ? "not compared, because it left no path"
-                               : "compared only until its run ended, before the end of the scene");
-            pl_sentence_add(sentences, &text);
+            pl_sentence_add(sentences, "%s is %s", e->label,
+                            e->is_unsupported ? "not compared: it does not support the scene"
+                            : e->bodies == NULL
+                                ? "not compared, because it left no path"
+                                : "compared only until its run ended, before the end of the scene");
         }
     }
 }
@@ -402,9 +399,10 @@ static void say_missing(const pl_reference_verdict *v, json_t *sentences)
 /* "All engines agree with the reference to within X m", or which of them do. */
 static void say_agreement(const pl_reference_verdict *v, json_t *sentences)
 {
-    pl_text_buffer names = {0}, text = {0};
+    pl_text_buffer names = {0};
     double largest = 0;
     int agreeing = 0;
+    const bool whole = v->after.from == v->reference->samples;
     for (int i = 0; i < v->engine_count; ++i) {
         const pl_engine_verdict *e = &v->engines[i];
         if (e->bodies != NULL && e->completed && e->differing == 0 && e->straying == 0) {
@@ -415,20 +413,14 @@ static void say_agreement(const pl_reference_verdict *v, json_t *sentences)
             }
         }
     }
-    if (agreeing == 0) {
-        return;
+    char *who = pl_text_take(&names);
+    if (agreeing > 0) {
+        pl_sentence_add(sentences, "%s agree%s with the reference to within %.2g m%s",
+                        agreeing == v->engine_count && agreeing > 1 ? "All engines" : who,
+                        agreeing == 1 ? "s" : "", largest,
+                        whole ? "" : " as long as the motion can be predicted");
     }
-    bool whole = true;
-    for (int b = 0; b < v->reference->bodies; ++b) {
-        whole = whole && v->reference->horizon[b] >= v->reference->samples;
-    }
-    const bool all = agreeing == v->engine_count;
-    const bool one = v->engine_count == 1;
-    pl_text_format(&text, "%s agree%s with the reference to within %.2g m%s",
-                   all && !one ? "All engines" : names.data, agreeing == 1 ? "s" : "", largest,
-                   whole ? "" : " as long as the motion can be predicted");
-    pl_text_free(&names);
-    pl_sentence_add(sentences, &text);
+    free(who);
 }
 
 void pl_reference_sentences(const pl_reference_verdict *verdict, json_t *sentences)

@@ -1,5 +1,5 @@
 /* Builds the space of tuned parameters from the table and the user's --vary and --fix. */
-#include "space.h"
+#include "tune.h"
 
 #include "studies/tunable.h"
 #include "studies/vary.h"
@@ -9,115 +9,96 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Steps per second. */
-static const double lowest_rate = 30, highest_rate = 1920;
+/* All that can be tuned of an engine: "dt" at place 0, which counts steps per second, then its options. */
+typedef struct table {
+    pl_tune_space *space;
+    pl_tune_parameter items[PL_TUNE_MAX_PARAMETERS];
+    bool is_tuned[PL_TUNE_MAX_PARAMETERS], is_given[PL_TUNE_MAX_PARAMETERS];
+} table;
 
-static int find_parameter(const pl_tune_space *space, const char *name)
+/* Tunes the step, and the tunable options but those that the user set. */
+static void fill(table *t)
 {
-    for (int i = 0; i < space->parameter_count; ++i) {
-        if (strcmp(space->parameters[i].name, name) == 0) {
-            return i;
+    const pl_engine_choice *base = &t->space->base;
+    const double *defaults = pl_engine_profile_values(base->engine, base->profile);
+    t->is_tuned[0] = true;
+    t->items[0] = (pl_tune_parameter){.name = "dt",
+                                      .option = PL_TUNE_RATE,
+                                      .low = 30,
+                                      .high = 1920,
+                                      .logarithmic = true,
+                                      .integer = true,
+                                      .spends = true,
+                                      .start = isnan(t->space->dt) ? 60 : 1 / t->space->dt};
+    for (int i = 0; i < base->engine->option_count; ++i) {
+        const pl_engine_option *option = &base->engine->options[i];
+        pl_tune_parameter *parameter = &t->items[i + 1];
+        pl_tunable tunable;
+        *parameter = (pl_tune_parameter){.option = i,
+                                         .integer = option->integer,
+                                         .spends = strcmp(option->name, "iterations") == 0,
+                                         .start = base->values[i]};
+        snprintf(parameter->name, sizeof parameter->name, "%s", option->name);
+        if (pl_tunable_find(base->engine, base->profile, i, &tunable) &&
+            base->values[i] == defaults[i]) {
+            t->is_tuned[i + 1] = true;
+            parameter->low = fmax(tunable.low, option->min);
+            parameter->high = fmin(tunable.high, option->max);
+            parameter->logarithmic = tunable.logarithmic;
         }
     }
-    return -1;
 }
 
-static pl_status unknown_key(const pl_engine_info *engine, const char *option, const char *key,
-                             pl_error *error)
+/* The place of what is called so in the table, the first time; -1: an error. */
+static int place_of(table *t, const char *option, const char *text, const pl_vary *v,
+                    pl_error *error)
 {
-    const char *names[PL_TUNE_MAX_PARAMETERS] = {"dt"};
-    for (int i = 0; i < engine->option_count; ++i) {
-        names[i + 1] = engine->options[i].name;
-    }
+    const pl_engine_info *engine = t->space->base.engine;
+    const char *names[PL_TUNE_MAX_PARAMETERS];
     char suggestion[PL_SUGGESTION_SIZE];
-    return pl_fail(error, PL_BAD_INPUT, "%s: %s has no option %s%s", option, engine->name, key,
-                   pl_did_you_mean(key, names, engine->option_count + 1, suggestion));
-}
-
-/* One --vary or --fix. */
-typedef struct setting_text {
-    const char *option; /* "--vary" or "--fix" */
-    pl_vary vary;
-    int index; /* of the engine's option; PL_TUNE_RATE: "dt" */
-} setting_text;
-
-/* Reads the text, finds the option, and checks that it is the first with this key. The caller frees s->vary. */
-static pl_status read_setting(const pl_tune_space *space, const char *text, pl_vary_form form,
-                              bool *given, setting_text *s, pl_error *error)
-{
-    const pl_engine_info *engine = space->base.engine;
-    s->option = form == PL_VARY_FIX ? "--fix" : "--vary";
-    const pl_status status = pl_vary_parse(text, form, &s->vary, error);
-    if (status != PL_OK) {
-        return status;
+    int place = -1;
+    for (int i = 0; i <= engine->option_count; ++i) {
+        names[i] = t->items[i].name;
+        place = strcmp(names[i], v->key) == 0 ? i : place;
     }
-    if (!pl_vary_is_of(&s->vary, engine->name)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s %s: the engine that is tuned is %s", s->option,
-                       text, engine->name);
+    if (!pl_vary_is_of(v, engine->name)) {
+        pl_fail(error, PL_BAD_INPUT, "%s %s: the engine that is tuned is %s", option, text,
+                engine->name);
+        return -1;
     }
-    const bool is_rate = strcmp(s->vary.key, "dt") == 0;
-    s->index = is_rate ? PL_TUNE_RATE : pl_engine_option_index(engine, s->vary.key);
-    if (s->index < 0 && !is_rate) {
-        return unknown_key(engine, s->option, s->vary.key, error);
+    if (place < 0) {
+        pl_fail(error, PL_BAD_INPUT, "%s: %s has no option %s%s", option, engine->name, v->key,
+                pl_did_you_mean(v->key, names, engine->option_count + 1, suggestion));
+    } else if (t->is_given[place]) {
+        pl_fail(error, PL_BAD_INPUT, "%s %s: %s is given twice", option, text, v->key);
+        return -1;
     }
-    if (given[s->index + 1]) {
-        return pl_fail(error, PL_BAD_INPUT, "%s %s: %s is given twice", s->option, text,
-                       s->vary.key);
-    }
-    given[s->index + 1] = true;
-    return PL_OK;
+    return place;
 }
 
 /* The value must be in the range of the option; of dt, s. */
-static pl_status check_value(const pl_tune_space *space, const setting_text *s, double value,
+static pl_status check_value(const table *t, int place, const char *option, double value,
                              pl_error *error)
 {
-    const double shortest = 1e-6, longest = 1;
-    const pl_engine_option *option = s->index < 0 ? NULL : &space->base.engine->options[s->index];
-    const double low = option == NULL ? shortest : option->min;
-    const double high = option == NULL ? longest : option->max;
-    if (option != NULL && option->integer && value != floor(value)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s %s: expected whole numbers, found %g", s->option,
-                       s->vary.key, value);
+    const pl_engine_option step = {.name = "dt", .min = 1e-6, .max = 1};
+    const pl_engine_option *of = place == 0 ? &step : &t->space->base.engine->options[place - 1];
+    if (of->integer && value != floor(value)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s %s: expected whole numbers, found %g", option,
+                       of->name, value);
     }
-    return value >= low && value <= high
+    return value >= of->min && value <= of->max
                ? PL_OK
-               : pl_fail(error, PL_BAD_INPUT, "%s %s: expected %g to %g, found %g", s->option,
-                         s->vary.key, low, high, value);
+               : pl_fail(error, PL_BAD_INPUT, "%s %s: expected %g to %g, found %g", option,
+                         of->name, of->min, of->max, value);
 }
 
-/* The parameter of the setting, which is added where the space lacks it; *is_known: it had it. */
-static pl_tune_parameter *place_parameter(pl_tune_space *space, const setting_text *s,
-                                          bool *is_known)
-{
-    const int at = find_parameter(space, s->vary.key);
-    *is_known = at >= 0;
-    pl_tune_parameter *parameter = &space->parameters[*is_known ? at : space->parameter_count++];
-    if (!*is_known) {
-        *parameter = (pl_tune_parameter){.option = s->index};
-        memcpy(parameter->name, s->vary.key, sizeof s->vary.key);
-    }
-    return parameter;
-}
-
-static pl_status vary(pl_tune_space *space, const setting_text *s, pl_error *error)
+static pl_status vary(table *t, int place, double low, double high, pl_error *error)
 {
     const double wide = 20; /* a new range is logarithmic where its ends differ by more */
-    const double low = s->vary.low, high = s->vary.high;
-    bool is_known = false;
-    pl_status status = check_value(space, s, low, error);
-    if (status == PL_OK) {
-        status = check_value(space, s, high, error);
-    }
-    if (status != PL_OK) {
-        return status;
-    }
-    pl_tune_parameter *parameter = place_parameter(space, s, &is_known);
-    if (s->index == PL_TUNE_RATE) {
+    pl_tune_parameter *parameter = &t->items[place];
+    if (place == 0) {
         parameter->low = floor(1 / high + 0.5);
         parameter->high = floor(1 / low + 0.5);
-        parameter->logarithmic = parameter->integer = true;
-        parameter->start = isnan(space->dt) ? 60 : 1 / space->dt;
         return parameter->low >= 1 && parameter->low < parameter->high
                    ? PL_OK
                    : pl_fail(error, PL_BAD_INPUT, "--vary dt: no two whole rates lie in %g..%g",
@@ -125,95 +106,56 @@ static pl_status vary(pl_tune_space *space, const setting_text *s, pl_error *err
     }
     parameter->low = low;
     parameter->high = high;
-    parameter->integer = space->base.engine->options[s->index].integer;
-    parameter->logarithmic = low > 0 && (is_known ? parameter->logarithmic : high > wide * low);
-    parameter->start = space->base.values[s->index];
+    parameter->logarithmic =
+        low > 0 && (t->is_tuned[place] ? parameter->logarithmic : high > wide * low);
+    t->is_tuned[place] = true;
     return PL_OK;
 }
 
-static pl_status fix(pl_tune_space *space, const setting_text *s, pl_error *error)
+static void fix(table *t, int place, double value)
 {
-    const double value = s->vary.numbers[0];
-    const pl_status status = check_value(space, s, value, error);
-    if (status != PL_OK) {
-        return status;
-    }
-    const int at = find_parameter(space, s->vary.key);
-    if (at >= 0) {
-        space->parameter_count -= 1;
-        memmove(&space->parameters[at], &space->parameters[at + 1],
-                (size_t)(space->parameter_count - at) * sizeof *space->parameters);
-    }
-    if (s->index == PL_TUNE_RATE) {
-        space->dt = value;
-    } else {
-        space->base.values[s->index] = value;
-    }
-    return PL_OK;
+    *(place == 0 ? &t->space->dt : &t->space->base.values[place - 1]) = value;
+    t->is_tuned[place] = false;
 }
 
-/* Takes all texts of --vary, or of --fix. */
-static pl_status take_settings(pl_tune_space *space, const char *const *texts, int count,
-                               pl_vary_form form, bool *given, pl_error *error)
+/* Takes one --vary or --fix. */
+static pl_status take_setting(table *t, const char *text, pl_vary_form form, pl_error *error)
 {
-    pl_status status = PL_OK;
-    for (int i = 0; i < count && status == PL_OK; ++i) {
-        setting_text s = {.option = NULL};
-        status = read_setting(space, texts[i], form, given, &s, error);
-        if (status == PL_OK) {
-            status = form == PL_VARY_FIX ? fix(space, &s, error) : vary(space, &s, error);
-        }
-        pl_vary_free(&s.vary);
+    const bool fixes = form == PL_VARY_FIX;
+    const char *option = fixes ? "--fix" : "--vary";
+    pl_vary v;
+    pl_status status = pl_vary_parse(text, form, &v, error);
+    const int place = status == PL_OK ? place_of(t, option, text, &v, error) : -1;
+    if (place < 0) {
+        pl_vary_free(&v);
+        return PL_BAD_INPUT;
     }
+    t->is_given[place] = true;
+    const double low = fixes ? v.numbers[0] : v.low, high = fixes ? low : v.high;
+    status = check_value(t, place, option, low, error);
+    if (status == PL_OK) {
+        status = check_value(t, place, option, high, error);
+    }
+    if (status == PL_OK && fixes) {
+        fix(t, place, low);
+    } else if (status == PL_OK) {
+        status = vary(t, place, low, high, error);
+    }
+    pl_vary_free(&v);
     return status;
 }
 
-static void add_rate(pl_tune_space *space, double dt)
+/* Makes the space of what the table tunes. Settings that a search finds are given as a SPEC, which must have room. */
+static pl_status finish(const table *t, pl_error *error)
 {
-    pl_tune_parameter *parameter = &space->parameters[space->parameter_count++];
-    const double rate = isnan(dt) ? 60 : 1 / dt;
-    *parameter = (pl_tune_parameter){.name = "dt",
-                                     .option = PL_TUNE_RATE,
-                                     .low = lowest_rate,
-                                     .high = highest_rate,
-                                     .logarithmic = true,
-                                     .integer = true,
-                                     .start = rate};
-}
-
-/* Adds the tunable options, except those that the user set. */
-static void add_table(pl_tune_space *space)
-{
-    const pl_engine_info *engine = space->base.engine;
-    const double *defaults = pl_engine_profile_values(engine, space->base.profile);
-    for (int i = 0; i < engine->option_count; ++i) {
-        const pl_engine_option *option = &engine->options[i];
-        pl_tunable tunable;
-        if (!pl_tunable_find(engine, space->base.profile, i, &tunable) ||
-            space->base.values[i] != defaults[i]) {
-            continue;
-        }
-        pl_tune_parameter *parameter = &space->parameters[space->parameter_count++];
-        *parameter = (pl_tune_parameter){.option = i,
-                                         .low = fmax(tunable.low, option->min),
-                                         .high = fmin(tunable.high, option->max),
-                                         .logarithmic = tunable.logarithmic,
-                                         .integer = option->integer,
-                                         .start = space->base.values[i]};
-        snprintf(parameter->name, sizeof parameter->name, "%s", option->name);
-    }
-}
-
-/* The settings that a search finds are given as a SPEC. */
-static pl_status check_spec(const pl_tune_space *space, pl_error *error)
-{
-    bool varied[PL_ENGINE_MAX_OPTIONS] = {false};
-    for (int i = 0; i < space->parameter_count; ++i) {
-        if (space->parameters[i].option != PL_TUNE_RATE) {
-            varied[space->parameters[i].option] = true;
+    pl_tune_space *space = t->space;
+    for (int i = 0; i <= space->base.engine->option_count; ++i) {
+        if (t->is_tuned[i]) {
+            space->parameters[space->parameter_count++] = t->items[i];
         }
     }
-    return pl_tune_spec_fits(&space->base, varied)
+    space->dt = t->is_tuned[0] ? (double)NAN : space->dt;
+    return pl_tune_spec_fits(&space->base, &t->is_tuned[1])
                ? PL_OK
                : pl_fail(
                      error, PL_BAD_INPUT,
@@ -224,25 +166,17 @@ static pl_status check_spec(const pl_tune_space *space, pl_error *error)
 
 pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *space, pl_error *error)
 {
-    bool given[PL_TUNE_MAX_PARAMETERS] = {false};
+    table t = {.space = space};
+    pl_status status = PL_OK;
     *space = (pl_tune_space){.base = *request->engine, .dt = request->dt};
-    add_rate(space, request->dt);
-    add_table(space);
-    pl_status status =
-        take_settings(space, request->varied, request->varied_count, PL_VARY_RANGE, given, error);
-    if (status == PL_OK) {
-        status =
-            take_settings(space, request->fixed, request->fixed_count, PL_VARY_FIX, given, error);
+    fill(&t);
+    for (int i = 0; i < request->varied_count && status == PL_OK; ++i) {
+        status = take_setting(&t, request->varied[i], PL_VARY_RANGE, error);
     }
-    for (int i = 0; i < space->parameter_count; ++i) {
-        pl_tune_parameter *parameter = &space->parameters[i];
-        parameter->spends =
-            parameter->option == PL_TUNE_RATE || strcmp(parameter->name, "iterations") == 0;
+    for (int i = 0; i < request->fixed_count && status == PL_OK; ++i) {
+        status = take_setting(&t, request->fixed[i], PL_VARY_FIX, error);
     }
-    if (find_parameter(space, "dt") >= 0) {
-        space->dt = (double)NAN;
-    }
-    return status == PL_OK ? check_spec(space, error) : status;
+    return status == PL_OK ? finish(&t, error) : status;
 }
 
 json_t *pl_tune_values(const pl_tune_space *space, const double *values)

@@ -1,7 +1,6 @@
-#include "target.h"
+#include "tune.h"
 
 #include "results/result.h"
-#include "tune_search.h"
 
 #include <float.h>
 #include <math.h>

@@ -10,7 +10,7 @@
 /* Writes one line per evaluation where progress is not shown on a terminal. */
 static void log_evaluation(const pl_tuner *t, const pl_evaluation *evaluation)
 {
-    if (t->how->progress == NULL || t->bar.terminal) {
+    if (t->bar.terminal) {
         return;
     }
     FILE *out = t->how->progress;
@@ -33,17 +33,18 @@ static void log_evaluation(const pl_tuner *t, const pl_evaluation *evaluation)
 static pl_status measure(void *user, pl_evaluation *evaluation, bool *stop, pl_error *error)
 {
     pl_tuner *t = user;
+    (void)error; /* the tuner has it */
     json_array_append_new(t->points, pl_tune_values(t->def->space, evaluation->values));
-    const pl_status status = pl_evaluation_make(t, evaluation, error);
+    pl_evaluation_make(t, evaluation);
     *stop = t->signal_number != 0;
-    if (status == PL_OK && !*stop) {
+    if (pl_tuner_goes_on(t)) {
         log_evaluation(t, evaluation);
     }
-    return status;
+    return t->status;
 }
 
 /* Measures the answer with each parameter moved either way, and then as it is: these are the last runs of a tuning. */
-static pl_status vary_answer(pl_tuner *t, pl_error *error)
+static void vary_answer(pl_tuner *t)
 {
     const pl_tune_space *space = t->def->space;
     const pl_subject answer = pl_tuner_trial(t, "sensitivity", t->best.trial);
@@ -63,13 +64,11 @@ static pl_status vary_answer(pl_tuner *t, pl_error *error)
         }
     }
     subjects[count++] = answer;
-    const pl_status status =
-        pl_tuner_measure(t, subjects, count, pl_tuner_sensitivity_repeats(t), error);
+    pl_tuner_measure(t, subjects, count, pl_tuner_sensitivity_repeats(t));
     json_decref(moved);
-    return status;
 }
 
-static pl_status make_all(pl_tuner *t, pl_error *error)
+static void make_all(pl_tuner *t)
 {
     const pl_tune_def *def = t->def;
     const pl_search_def search = {.parameters = def->space->parameters,
@@ -78,17 +77,14 @@ static pl_status make_all(pl_tuner *t, pl_error *error)
                                   .seed = def->plan->seed,
                                   .user = t,
                                   .measure = measure};
-    pl_status status = pl_evaluate_defaults(t, error);
-    if (status == PL_OK && t->signal_number == 0) {
-        status = pl_search(&search, &t->found, error);
+    pl_evaluate_defaults(t);
+    if (pl_tuner_goes_on(t)) {
+        pl_search(&search, &t->found, t->error);
     }
-    if (status == PL_OK && t->signal_number == 0) {
-        status = pl_tuner_choose(t, error);
+    if (pl_tuner_goes_on(t)) {
+        pl_tuner_choose(t);
+        vary_answer(t);
     }
-    if (status == PL_OK && t->signal_number == 0) {
-        status = vary_answer(t, error);
-    }
-    return status;
 }
 
 /* The store must have no runs of another tuning. */
@@ -118,21 +114,17 @@ pl_status pl_tune_run(const pl_tune_def *def, const pl_execution_def *how, int *
     t.def = def;
     t.how = how;
     /* The bar expects about three runs per case and setting. */
-    if (how->progress != NULL) {
-        t.bar = pl_progress_begin(how->progress, (long)def->plan->case_count * def->budget * 3,
-                                  pl_monotonic_seconds());
+    t.bar = pl_progress_begin(how->progress, (long)def->plan->case_count * def->budget * 3,
+                              pl_monotonic_seconds());
+    t.status = check_store(&t, how->store, error);
+    if (t.status == PL_OK) {
+        make_all(&t);
     }
-    pl_status status = check_store(&t, how->store, error);
-    if (status == PL_OK) {
-        status = make_all(&t, error);
-    }
-    if (how->progress != NULL) {
-        pl_progress_end(&t.bar);
-    }
+    pl_progress_end(&t.bar);
     *signal_number = t.signal_number;
     pl_tuner_free(&t);
     json_decref(study);
-    return status;
+    return t.status;
 }
 
 const pl_study pl_tune_study = {.name = "tune",

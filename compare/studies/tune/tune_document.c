@@ -9,12 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double number_of(const json_t *object, const char *key)
-{
-    const json_t *value = json_object_get(object, key);
-    return json_is_number(value) ? json_number_value(value) : (double)NAN;
-}
-
 static bool is_true(const json_t *object, const char *key)
 {
     return json_is_true(json_object_get(object, key));
@@ -71,7 +65,7 @@ static void add_metrics(pl_table *table, const json_t *metrics, const json_t *va
     json_t *unused;
     json_object_foreach((json_t *)metrics, name, unused)
     {
-        pl_table_number(table, number_of(values, name), 3);
+        pl_table_number(table, pl_study_number(values, name), 3);
     }
 }
 
@@ -79,10 +73,10 @@ static void add_settings(pl_document *document, const json_t *conclusion)
 {
     const json_t *setting = json_object_get(conclusion, "setting");
     const json_t *api = json_object_get(setting, "api");
-    const double dt = number_of(setting, "dt");
+    const double dt = pl_study_number(setting, "dt");
     char step[32];
     write_step(dt, step);
-    pl_document_paragraph(document, "--engine %s --dt %s", pl_json_get_text(setting, "spec"), step);
+    pl_document_paragraph(document, "--engine %s --dt %s", pl_study_text(setting, "spec"), step);
     if (json_array_size(api) > 0) {
         size_t index;
         json_t *line;
@@ -100,29 +94,25 @@ static void add_scores(pl_document *document, const json_t *conclusion, const js
     pl_table table = {.keys = 1};
     size_t index;
     json_t *score;
-    if (is_true(conclusion, "cost_is_ratio")) {
-        pl_document_paragraph(
-            document, "Cost: %.3g x that of the default settings at the scenarios' own step.",
-            number_of(conclusion, "cost"));
-    } else {
-        pl_document_paragraph(
-            document,
-            "Cost: %.3g s of CPU time per simulated second; the default settings have none.",
-            number_of(conclusion, "cost"));
-    }
+    pl_document_paragraph(
+        document,
+        is_true(conclusion, "cost_is_ratio")
+            ? "Cost: %.3g x that of the default settings at the scenarios' own step."
+            : "Cost: %.3g s of CPU time per simulated second; the default settings have none.",
+        pl_study_number(conclusion, "cost"));
     pl_table_columns(&table, "scenario|>cost x|>s per simulated s|outcome");
     add_metric_columns(&table, metrics, "");
     pl_table_columns(&table, "margin|by default");
     add_metric_columns(&table, metrics, "default ");
     json_array_foreach(json_object_get(conclusion, "on"), index, score)
     {
-        pl_table_add(&table, pl_json_get_text(score, "scenario"));
-        pl_table_number(&table, number_of(score, "cost_ratio"), 3);
-        pl_table_number(&table, number_of(score, "seconds"), 3);
-        pl_table_add(&table, pl_json_get_text(score, "outcome"));
+        pl_table_add(&table, pl_study_text(score, "scenario"));
+        pl_table_number(&table, pl_study_number(score, "cost_ratio"), 3);
+        pl_table_number(&table, pl_study_number(score, "seconds"), 3);
+        pl_table_add(&table, pl_study_text(score, "outcome"));
         add_metrics(&table, metrics, json_object_get(score, "metrics"));
-        add_margin(&table, number_of(score, "excess"));
-        pl_table_add(&table, pl_json_get_text(score, "shipped_outcome"));
+        add_margin(&table, pl_study_number(score, "excess"));
+        pl_table_add(&table, pl_study_text(score, "shipped_outcome"));
         add_metrics(&table, metrics, json_object_get(score, "shipped_metrics"));
     }
     pl_document_table(document, "The scenarios as asked for", &table);
@@ -147,12 +137,12 @@ static void add_sensitivities(pl_document *document, const json_t *conclusion)
     pl_table_columns(&table, "parameter|>from|>to|>cost x|margin");
     json_array_foreach(json_object_get(conclusion, "sensitivity"), index, moved)
     {
-        const char *key = pl_json_get_text(moved, "key");
+        const char *key = pl_study_text(moved, "key");
         pl_table_add(&table, key);
-        add_value(&table, key, number_of(moved, "from"));
-        add_value(&table, key, number_of(moved, "to"));
-        pl_table_number(&table, number_of(moved, "cost_ratio"), 3);
-        add_margin(&table, number_of(moved, "excess"));
+        add_value(&table, key, pl_study_number(moved, "from"));
+        add_value(&table, key, pl_study_number(moved, "to"));
+        pl_table_number(&table, pl_study_number(moved, "cost_ratio"), 3);
+        add_margin(&table, pl_study_number(moved, "excess"));
     }
     if (pl_table_rows(&table) > 0) {
         pl_document_heading(document, "Each parameter moved by 10 %% or one step");
@@ -164,7 +154,7 @@ static void add_checks(pl_document *document, const json_t *conclusion, const js
 {
     const json_t *checks = json_object_get(conclusion, "validation");
     const size_t count = json_array_size(checks);
-    const int passed_over = (int)number_of(conclusion, "passed_over");
+    const int passed_over = (int)pl_study_number(conclusion, "passed_over");
     pl_table table = {.keys = 2};
     size_t index;
     int missed = 0;
@@ -174,12 +164,12 @@ static void add_checks(pl_document *document, const json_t *conclusion, const js
     pl_table_columns(&table, "margin");
     json_array_foreach((json_t *)checks, index, check)
     {
-        pl_table_add(&table, pl_json_get_text(check, "scenario"));
-        pl_table_add(&table, pl_json_get_text(check, "variant"));
-        pl_table_add(&table, pl_json_get_text(check, "outcome"));
+        pl_table_add(&table, pl_study_text(check, "scenario"));
+        pl_table_add(&table, pl_study_text(check, "variant"));
+        pl_table_add(&table, pl_study_text(check, "outcome"));
         add_metrics(&table, metrics, json_object_get(check, "metrics"));
-        add_margin(&table, number_of(check, "excess"));
-        missed += number_of(check, "excess") > 0;
+        add_margin(&table, pl_study_number(check, "excess"));
+        missed += pl_study_number(check, "excess") > 0;
     }
     pl_document_heading(document, "Validation");
     if (count == 0) {
@@ -219,7 +209,8 @@ static void add_plot(pl_document *document, const json_t *conclusion)
         int count = 0;
         json_array_foreach((json_t *)trials, index, trial)
         {
-            const double cost = number_of(trial, "cost"), excess = number_of(trial, "excess");
+            const double cost = pl_study_number(trial, "cost"),
+                         excess = pl_study_number(trial, "excess");
             if (isfinite(cost) && excess < PL_SEARCH_WORST && (excess <= 0) == met) {
                 numbers[count++] = cost;
                 numbers[count++] = exp(excess);
@@ -249,7 +240,7 @@ void pl_tune_fill_document(const json_t *conclusion, pl_document *document)
     pl_document_heading(
         document,
         met ? "%s:%s, the cheapest found for %s" : "%s:%s: no settings found meet %s; the nearest",
-        pl_json_get_text(conclusion, "engine"), pl_json_get_text(conclusion, "profile"), all);
+        pl_study_text(conclusion, "engine"), pl_study_text(conclusion, "profile"), all);
     if (json_is_false(json_object_get(conclusion, "finished"))) {
         pl_document_paragraph(document,
                               "The tuning has not come to its end: this follows from its runs so "
@@ -269,8 +260,9 @@ void pl_tune_fill_document(const json_t *conclusion, pl_document *document)
     add_plot(document, conclusion);
     pl_document_paragraph(
         document, "%zu settings were tried in %d runs. The search measured cost as %s.",
-        json_array_size(json_object_get(conclusion, "trials")), (int)number_of(conclusion, "runs"),
-        strcmp(pl_json_get_text(conclusion, "search_cost"), "instructions") == 0
+        json_array_size(json_object_get(conclusion, "trials")),
+        (int)pl_study_number(conclusion, "runs"),
+        strcmp(pl_study_text(conclusion, "search_cost"), "instructions") == 0
             ? "instructions per step"
             : "CPU time, in turns with the default settings, because instructions are not counted "
               "here");

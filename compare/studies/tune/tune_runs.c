@@ -74,67 +74,40 @@ static json_t *study_of(const pl_tuner *t, const pl_subject *subject, int test_c
     return study;
 }
 
-/* What tells the runs of a study apart, of which `study` and `repeat` are: malloc'd. */
-static char *key_of(const json_t *study, int repeat)
+/* What tells the results of a tuning apart: malloc'd. */
+static char *key_of(const json_t *result)
 {
-    static const char *const keys[] = {"phase", "trial", "values", "case", "variant"};
-    json_t *key = json_array();
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
-        json_array_append(key, json_object_get(study, keys[i]));
-    }
-    json_array_append_new(key, json_integer(repeat));
-    char *text = pl_result_to_line(key);
-    json_decref(key);
-    return text;
-}
-
-static bool has_item(const json_t *array, const json_t *wanted)
-{
-    size_t index;
-    const json_t *item;
-    json_array_foreach(array, index, item)
-    {
-        if (json_equal(item, wanted)) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Keeps the values of a run: those of a trial once, because subjects borrow them. */
-static void note_point(pl_tuner *t, const json_t *study)
-{
-    json_t *values = json_object_get(study, "values");
-    const json_int_t trial = json_integer_value(json_object_get(study, "trial"));
-    const char *phase = pl_json_get_text(study, "phase");
-    while (json_is_array(values) && (json_int_t)json_array_size(t->points) <= trial) {
-        json_array_append_new(t->points, json_null());
-    }
-    if (json_is_array(values) && strcmp(phase, "search") == 0 &&
-        json_is_null(json_array_get(t->points, (size_t)trial))) {
-        json_array_set(t->points, (size_t)trial, values);
-    } else if (json_is_array(values) && strcmp(phase, "sensitivity") == 0 &&
-               !has_item(t->moved, values)) {
-        json_array_append(t->moved, values);
-    }
+    static const char *const keys[] = {"study.phase", "study.trial",   "study.values",
+                                       "study.case",  "study.variant", "repeat",
+                                       NULL};
+    return pl_study_key(result, keys);
 }
 
 void pl_tuner_take(pl_tuner *t, json_t *result)
 {
-    const json_t *study = json_object_get(result, "study");
-    char *key = key_of(study, (int)json_integer_value(json_object_get(result, "repeat")));
+    json_t *values = pl_study_get(result, "study.values");
+    const int trial = pl_study_integer(result, "study.trial");
+    char *key = key_of(result);
     json_object_set(t->rows, key, result);
     free(key);
-    note_point(t, study);
+    while (json_is_array(values) && (int)json_array_size(t->points) <= trial) {
+        json_array_append_new(t->points, json_null());
+    }
+    /* Subjects borrow the values of a trial, so that they stay. */
+    if (json_is_array(values) && strcmp(pl_study_text(result, "study.phase"), "search") == 0 &&
+        json_is_null(json_array_get(t->points, (size_t)trial))) {
+        json_array_set(t->points, (size_t)trial, values);
+    }
 }
 
 const json_t *pl_tuner_row(const pl_tuner *t, const pl_subject *subject, int test_case, int repeat)
 {
-    json_t *study = study_of(t, subject, test_case);
-    char *key = key_of(study, repeat);
+    json_t *wanted =
+        json_pack("{s:o, s:i}", "study", study_of(t, subject, test_case), "repeat", repeat);
+    char *key = key_of(wanted);
     const json_t *row = json_object_get(t->rows, key);
     free(key);
-    json_decref(study);
+    json_decref(wanted);
     return row;
 }
 
@@ -206,35 +179,36 @@ static pl_status take(void *user, json_t *result, pl_error *error)
     pl_tuner *t = user;
     (void)error;
     pl_tuner_take(t, result);
-    if (t->how->progress != NULL) {
-        t->bar.done += 1;
-        pl_progress_draw(&t->bar, pl_json_get_text(result, "scenario"), 0, pl_monotonic_seconds());
-    }
+    t->bar.done += 1;
+    pl_progress_draw(&t->bar, pl_json_get_text(result, "scenario"), 0, pl_monotonic_seconds());
     return PL_OK;
 }
 
-pl_status pl_tuner_measure(pl_tuner *t, const pl_subject *subjects, int count, int repeats,
-                           pl_error *error)
+bool pl_tuner_goes_on(const pl_tuner *t)
 {
-    if (t->def == NULL) {
-        return PL_OK;
+    return t->status == PL_OK && t->signal_number == 0;
+}
+
+bool pl_tuner_measure(pl_tuner *t, const pl_subject *subjects, int count, int repeats)
+{
+    if (t->def == NULL || !pl_tuner_goes_on(t)) {
+        return pl_tuner_goes_on(t);
     }
     const pl_variant *variant = variant_of(&subjects[0]);
     const int own_seed = variant->kind == PL_VARIANT_OFFSET ? variant->seed : 0;
     pl_plan plan = {.repeats = repeats, .seed = t->def->plan->seed + (uint64_t)own_seed};
-    pl_status status = PL_OK;
-    for (int s = 0; s < count && status == PL_OK; ++s) {
-        status = add_subject(t, &subjects[s], &plan, error);
+    for (int s = 0; s < count && t->status == PL_OK; ++s) {
+        t->status = add_subject(t, &subjects[s], &plan, t->error);
     }
-    if (status == PL_OK && plan.pairing_count > 0) {
+    if (t->status == PL_OK && plan.pairing_count > 0) {
         pl_execution_def execution = *t->how;
         execution.plan = &plan;
         execution.limits = limits_of(t);
         execution.progress = NULL;
         execution.user = t;
         execution.take = take;
-        status = pl_execute(&execution, &t->signal_number, error);
+        t->status = pl_execute(&execution, &t->signal_number, t->error);
     }
     pl_plan_free(&plan);
-    return status;
+    return pl_tuner_goes_on(t);
 }

@@ -11,10 +11,10 @@
 
 pl_tuner pl_tuner_begin(json_t *study, pl_error *error)
 {
-    pl_tuner t = {.study = json_incref(study),
+    pl_tuner t = {.error = error,
+                  .study = json_incref(study),
                   .rows = json_object(),
                   .points = json_array(),
-                  .moved = json_array(),
                   .case_count = (int)json_array_size(json_object_get(study, "scenarios")),
                   .found = {.best = -1},
                   .checks = json_array()};
@@ -34,9 +34,14 @@ void pl_tuner_free(pl_tuner *t)
     json_decref(t->study);
     json_decref(t->rows);
     json_decref(t->points);
-    json_decref(t->moved);
     json_decref(t->checks);
     free(t->found.evaluations);
+}
+
+const char *pl_tuner_scenario(const pl_tuner *t, int test_case)
+{
+    return json_string_value(
+        json_array_get(json_object_get(t->study, "scenarios"), (size_t)test_case));
 }
 
 /* ---- Costs and excesses ---- */
@@ -44,9 +49,8 @@ void pl_tuner_free(pl_tuner *t)
 /* A metric per simulated second; NAN where it is not positive. */
 static double rate_of(const json_t *row, pl_metric_id id)
 {
-    const double dt = json_number_value(json_object_get(json_object_get(row, "settings"), "dt"));
     const double value = pl_result_metric(row, pl_metric_table[id].name);
-    return value > 0 ? value / dt : (double)NAN;
+    return value > 0 ? value / pl_study_number(row, "settings.dt") : (double)NAN;
 }
 
 double pl_tuner_ratio(const pl_tuner *t, pl_metric_id metric, const pl_subject *mine,
@@ -113,24 +117,23 @@ pl_subject pl_tuner_trial(const pl_tuner *t, const char *phase, int trial)
         .phase = phase, .trial = trial, .values = json_array_get(t->points, (size_t)trial)};
 }
 
-pl_status pl_evaluate_defaults(pl_tuner *t, pl_error *error)
+void pl_evaluate_defaults(pl_tuner *t)
 {
-    pl_status status = pl_tuner_measure(t, &pl_tuner_defaults, 1, 1, error);
     t->by_instructions = t->default_has_cost = true;
-    for (int p = 0; p < t->case_count && status == PL_OK && t->signal_number == 0; ++p) {
+    if (!pl_tuner_measure(t, &pl_tuner_defaults, 1, 1)) {
+        return;
+    }
+    for (int p = 0; p < t->case_count; ++p) {
         const json_t *row = pl_tuner_row(t, &pl_tuner_defaults, p, 0);
         if (strcmp(pl_json_get_text(row, "outcome"), "unsupported") == 0) {
-            status =
-                pl_fail(error, PL_UNSUPPORTED, "%s does not do %s", pl_json_get_text(row, "engine"),
-                        json_string_value(
-                            json_array_get(json_object_get(t->study, "scenarios"), (size_t)p)));
+            t->status = pl_fail(t->error, PL_UNSUPPORTED, "%s does not do %s",
+                                pl_json_get_text(row, "engine"), pl_tuner_scenario(t, p));
         }
         t->by_instructions =
             t->by_instructions && isfinite(rate_of(row, PL_METRIC_INSTRUCTIONS_PER_STEP));
         t->default_has_cost =
             t->default_has_cost && isfinite(rate_of(row, PL_METRIC_TIME_PER_STEP));
     }
-    return status;
 }
 
 /* The cost in CPU time next to the default settings, which alone counts where these have none. */
@@ -168,21 +171,19 @@ static double likely_excess_of(const pl_tuner *t, pl_subject subject, pl_variant
 
 /* Sets `excess` and `holds` from the runs of the scenarios as asked for, which were made, and from those of the
  * scenarios as the variants change them, up to the first that misses a target. */
-static pl_status judge(pl_tuner *t, pl_variants variants, pl_evaluation *evaluation,
-                       pl_error *error)
+static void judge(pl_tuner *t, pl_variants variants, pl_evaluation *evaluation)
 {
     const pl_subject asked = pl_tuner_trial(t, "search", evaluation->trial);
     double worst = pl_tuner_excess(t, &asked);
     for (int i = 0; i < variants.count && worst <= 0; ++i) {
         pl_subject changed = asked;
         changed.variant = &variants.items[i];
-        const pl_status status = pl_tuner_measure(t, &changed, 1, 1, error);
+        if (!pl_tuner_measure(t, &changed, 1, 1)) {
+            return;
+        }
         for (int p = 0; p < t->case_count; ++p) {
             const json_t *row = pl_tuner_row(t, &changed, p, 0);
             worst = row == NULL ? worst : fmax(worst, pl_targets_excess(&t->targets, row));
-        }
-        if (status != PL_OK || t->signal_number != 0) {
-            return status;
         }
     }
     evaluation->holds = worst <= 0;
@@ -190,7 +191,6 @@ static pl_status judge(pl_tuner *t, pl_variants variants, pl_evaluation *evaluat
     for (int p = 0; p < t->case_count && evaluation->holds; ++p) {
         evaluation->excess = fmax(evaluation->excess, likely_excess_of(t, asked, variants, p));
     }
-    return PL_OK;
 }
 
 /* The CPU time of the engine's steps in the first runs of the subjects. It is that of the results, so that a search that
@@ -201,39 +201,35 @@ static double seconds_of(const pl_tuner *t, const pl_subject *subjects, int coun
     for (int i = 0; i < count * t->case_count; ++i) {
         const json_t *row = pl_tuner_row(t, &subjects[i / t->case_count], i % t->case_count, 0);
         const double rate = rate_of(row, PL_METRIC_TIME_PER_STEP);
-        const json_t *duration = json_object_get(json_object_get(row, "settings"), "duration");
-        sum += isfinite(rate) ? rate * json_number_value(duration) : 0;
+        sum += isfinite(rate) ? rate * pl_study_number(row, "settings.duration") : 0;
     }
     return sum;
 }
 
 /* Measures one repeat, and where times count more repeats of a setting that also meets the targets on the changed
  * scenarios. The default settings then run next to it, so that drift of the machine affects both. */
-pl_status pl_evaluation_make(pl_tuner *t, pl_evaluation *evaluation, pl_error *error)
+void pl_evaluation_make(pl_tuner *t, pl_evaluation *evaluation)
 {
     const pl_subject subjects[] = {pl_tuner_trial(t, "search", evaluation->trial),
                                    {.phase = "search", .trial = evaluation->trial}};
     const int count = t->by_instructions ? 1 : 2;
     const pl_search_result *found = &t->found;
-    pl_status status = pl_tuner_measure(t, subjects, count, 1, error);
+    if (!pl_tuner_measure(t, subjects, count, 1)) {
+        return;
+    }
     evaluation->cost = t->by_instructions ? pl_tuner_cost(t, PL_METRIC_INSTRUCTIONS_PER_STEP,
                                                           &subjects[0], &pl_tuner_defaults, 0, 1)
                                           : cost_in_time(t, subjects, 0, 1);
     const bool is_near = may_be_best(t, evaluation);
-    if (status == PL_OK && t->signal_number == 0) {
-        status =
-            judge(t, is_near ? pl_variants_tuned_on : (pl_variants){.count = 0}, evaluation, error);
-    }
-    if (status == PL_OK && t->signal_number == 0 && evaluation->holds && is_near &&
-        !t->by_instructions) {
-        status = pl_tuner_measure(t, subjects, count, PL_TUNER_REPEATS, error);
+    judge(t, is_near ? pl_variants_tuned_on : (pl_variants){.count = 0}, evaluation);
+    if (evaluation->holds && is_near && !t->by_instructions) {
+        pl_tuner_measure(t, subjects, count, PL_TUNER_REPEATS);
         evaluation->cost = cost_in_time(t, subjects, 1, PL_TUNER_REPEATS);
     }
     if (evaluation->excess <= 0 &&
         (!found->met || evaluation->cost < found->evaluations[found->best].cost)) {
         t->best_seconds = seconds_of(t, subjects, count);
     }
-    return status;
 }
 
 /* ---- The choice of the answer among the evaluations ---- */
@@ -266,30 +262,27 @@ static int by_cost(const void *left, const void *right)
                               : by_merit(&a->evaluation, &b->evaluation);
 }
 
-/* Whether an evaluation meets the targets with the same margin on changed scenarios that the search
- * did not use. The cheapest of many evaluations often met the targets by chance. */
-static pl_status check_candidate(pl_tuner *t, pl_evaluation *evaluation, pl_error *error)
+/* Checks an evaluation with the same margin on changed scenarios that the search did not use. The cheapest of many
+ * evaluations often met the targets by chance. */
+static void check_candidate(pl_tuner *t, pl_evaluation *evaluation)
 {
-    pl_evaluation again = *evaluation;
-    const pl_status status = judge(t, pl_variants_chosen_by, &again, error);
-    evaluation->excess = fmax(evaluation->excess, again.excess);
-    evaluation->holds = again.holds;
-    return status;
+    const double before = evaluation->excess;
+    judge(t, pl_variants_chosen_by, evaluation);
+    evaluation->excess = fmax(evaluation->excess, before);
 }
 
 /* The cheapest evaluations that pass the check. Where none does, the best ones that hold, or the
  * best of all. */
-static pl_status find_finalists(pl_tuner *t, finalists *f, pl_error *error)
+static void find_finalists(pl_tuner *t, finalists *f)
 {
     const int count = t->found.count;
     pl_evaluation *sorted = pl_heap_new((size_t)count + 1, sizeof *sorted);
-    pl_status status = PL_OK;
     memcpy(sorted, t->found.evaluations, (size_t)count * sizeof *sorted);
     qsort(sorted, (size_t)count, sizeof *sorted, by_merit);
     for (int i = 0; i < count && i < MOST_CANDIDATES && f->count < MOST_FINALISTS &&
-                    sorted[i].excess <= 0 && status == PL_OK && t->signal_number == 0;
+                    sorted[i].excess <= 0 && pl_tuner_goes_on(t);
          ++i) {
-        status = check_candidate(t, &sorted[i], error);
+        check_candidate(t, &sorted[i]);
         if (sorted[i].excess <= 0) {
             f->items[f->count++].evaluation = sorted[i];
         }
@@ -302,19 +295,18 @@ static pl_status find_finalists(pl_tuner *t, finalists *f, pl_error *error)
         }
     }
     free(sorted);
-    return status;
 }
 
 /* Measures the finalists again, in turns with the default settings, and puts those with a margin in the order of their
  * costs. */
-static pl_status measure_finalists(pl_tuner *t, finalists *f, pl_error *error)
+static void measure_finalists(pl_tuner *t, finalists *f)
 {
     pl_subject subjects[MOST_FINALISTS + 1];
     for (int i = 0; i < f->count; ++i) {
         subjects[i + 1] = pl_tuner_trial(t, "final", f->items[i].evaluation.trial);
     }
     subjects[0] = (pl_subject){.phase = "final", .trial = -1};
-    const pl_status status = pl_tuner_measure(t, subjects, f->count + 1, PL_TUNE_REPEATS, error);
+    pl_tuner_measure(t, subjects, f->count + 1, PL_TUNE_REPEATS);
     for (int i = 0; i < f->count; ++i) {
         const pl_subject pair[] = {subjects[i + 1], subjects[0]};
         f->items[i].cost = cost_in_time(t, pair, 0, PL_TUNE_REPEATS);
@@ -322,62 +314,55 @@ static pl_status measure_finalists(pl_tuner *t, finalists *f, pl_error *error)
     if (f->have_margin) {
         qsort(f->items, (size_t)f->count, sizeof *f->items, by_cost);
     }
-    return status;
 }
 
 /* Measures the answer on the variants that were held out, and sets the checks again. */
-static pl_status validate(pl_tuner *t, pl_error *error)
+static void validate(pl_tuner *t)
 {
-    const pl_variants *variants = &pl_variants_held_out;
     pl_subject subject = pl_tuner_trial(t, "final", t->best.trial);
-    pl_status status = PL_OK;
     json_array_clear(t->checks);
     t->missed = 0;
-    for (int i = 0; i < variants->count && status == PL_OK && t->signal_number == 0; ++i) {
-        subject.variant = &variants->items[i];
-        status = pl_tuner_measure(t, &subject, 1, 1, error);
+    for (int i = 0; i < pl_variants_held_out.count; ++i) {
+        subject.variant = &pl_variants_held_out.items[i];
+        pl_tuner_measure(t, &subject, 1, 1);
         for (int p = 0; p < t->case_count; ++p) {
             const json_t *row = pl_tuner_row(t, &subject, p, 0);
             const double excess = pl_targets_excess(&t->targets, row);
             if (row != NULL) {
                 json_array_append_new(
-                    t->checks,
-                    json_pack("{s:O, s:s, s:O, s:o, s:f}", "scenario",
-                              json_array_get(json_object_get(t->study, "scenarios"), (size_t)p),
-                              "variant", subject.variant->name, "outcome",
-                              json_object_get(row, "outcome"), "metrics",
-                              pl_targets_values(&t->targets, row), "excess", excess));
+                    t->checks, json_pack("{s:s, s:s, s:O, s:o, s:f}", "scenario",
+                                         pl_tuner_scenario(t, p), "variant", subject.variant->name,
+                                         "outcome", json_object_get(row, "outcome"), "metrics",
+                                         pl_targets_values(&t->targets, row), "excess", excess));
                 t->missed += excess > 0;
             }
         }
     }
-    return status;
 }
 
 /* Takes the first finalist that misses no target in validation, or else the first of all. */
-static pl_status take_valid(pl_tuner *t, const finalists *f, pl_error *error)
+static void take_valid(pl_tuner *t, const finalists *f)
 {
-    pl_status status = PL_OK;
     bool done = false;
-    for (int k = 0; k <= f->count && status == PL_OK && t->signal_number == 0 && !done; ++k) {
+    for (int k = 0; k <= f->count && !done; ++k) {
         t->best = f->items[k % f->count].evaluation;
         t->cost = f->items[k % f->count].cost;
-        status = t->met ? validate(t, error) : PL_OK;
+        if (t->met) {
+            validate(t);
+        }
         done = !t->met || t->missed == 0;
         t->passed_over = done ? k : 0;
     }
-    return status;
 }
 
-pl_status pl_tuner_choose(pl_tuner *t, pl_error *error)
+void pl_tuner_choose(pl_tuner *t)
 {
     finalists f = {.count = 0};
-    pl_status status = find_finalists(t, &f, error);
-    if (status != PL_OK || t->signal_number != 0 || f.count == 0) {
-        return status;
+    find_finalists(t, &f);
+    if (f.count > 0) {
+        t->met = f.items[0].evaluation.holds;
+        t->has_margin = f.have_margin;
+        measure_finalists(t, &f);
+        take_valid(t, &f);
     }
-    t->met = f.items[0].evaluation.holds;
-    t->has_margin = f.have_margin;
-    status = measure_finalists(t, &f, error);
-    return status == PL_OK && t->signal_number == 0 ? take_valid(t, &f, error) : status;
 }

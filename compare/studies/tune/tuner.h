@@ -26,15 +26,16 @@ extern const pl_subject pl_tuner_defaults;
 /* What is known of the runs so far, and what follows from it. */
 typedef struct pl_tuner {
     const pl_tune_def *def;      /* NULL: a conclusion, which makes no runs */
-    const pl_execution_def *how; /* of a tuning in progress: everything but the plan */
+    const pl_execution_def *how; /* of a tuning in progress: all but the plan, with progress */
     pl_progress bar;
+    pl_status status;    /* of the first call that failed; its error is in *error */
+    pl_error *error;     /* borrowed; NULL: nobody asks */
     int signal_number;   /* that ended the runs; 0: none */
     double best_seconds; /* CPU time of the steps in the first runs of the best evaluation */
 
     json_t *study;  /* what all runs have in their `study` */
     json_t *rows;   /* the results, by what they are runs of */
     json_t *points; /* (trials): the values of each; null: no row has them */
-    json_t *moved;  /* the values of the phase "sensitivity", each once */
     pl_targets targets;
     int case_count;
 
@@ -54,6 +55,12 @@ typedef struct pl_tuner {
 /* A tuner of `study` without rows. */
 pl_tuner pl_tuner_begin(json_t *study, pl_error *error);
 
+/* Whether no call failed, and no signal ended the runs. */
+bool pl_tuner_goes_on(const pl_tuner *tuner);
+
+/* The name of a scenario as asked for. */
+const char *pl_tuner_scenario(const pl_tuner *tuner, int test_case);
+
 /* Frees what it owns. */
 void pl_tuner_free(pl_tuner *tuner);
 
@@ -70,9 +77,9 @@ bool pl_tuner_is_of(const json_t *study, const json_t *run);
 void pl_tuner_take(pl_tuner *tuner, json_t *result);
 
 /* Makes those runs that are missing of `count` subjects of one phase and variant on all cases, in turns within each
- * repeat; a conclusion makes none. Runs that take much longer than those of the best evaluation are cut short. */
-pl_status pl_tuner_measure(pl_tuner *tuner, const pl_subject *subjects, int count, int repeats,
-                           pl_error *error);
+ * repeat; a conclusion makes none, and a tuning that does not go on neither. Runs that take much longer than those of the
+ * best evaluation are cut short. Returns whether the tuning goes on. */
+bool pl_tuner_measure(pl_tuner *tuner, const pl_subject *subjects, int count, int repeats);
 
 /* The result of a subject on a case. NULL: there is none, because the run was not made yet, the scenario cannot be built
  * so, or the variant changes nothing. Borrowed. */
@@ -107,13 +114,13 @@ double pl_likely_excess(const double *excesses, int count);
 /* ---- Evaluations ---- */
 
 /* Measures the default settings once. PL_UNSUPPORTED: the engine does not support a scenario. */
-pl_status pl_evaluate_defaults(pl_tuner *tuner, pl_error *error);
+void pl_evaluate_defaults(pl_tuner *tuner);
 
 /* Sets cost, excess and holds of the trial evaluation->trial, whose values the tuner has. */
-pl_status pl_evaluation_make(pl_tuner *tuner, pl_evaluation *evaluation, pl_error *error);
+void pl_evaluation_make(pl_tuner *tuner, pl_evaluation *evaluation);
 
 /* Chooses the answer among the evaluations: measures the best again, and validates them. */
-pl_status pl_tuner_choose(pl_tuner *tuner, pl_error *error);
+void pl_tuner_choose(pl_tuner *tuner);
 
 /* ---- What is said of it ---- */
 

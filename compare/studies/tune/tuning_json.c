@@ -12,16 +12,21 @@ enum { MOST_TRIALS = 100000 };
 
 /* ---- Results ---- */
 
+/* Copies these keys (up to a NULL) of an object to another; absent ones are left out. */
+static void copy_keys(json_t *to, const json_t *from, const char *const *keys)
+{
+    for (; *keys != NULL; ++keys) {
+        json_object_set(to, *keys, json_object_get(from, *keys));
+    }
+}
+
 /* What all runs have in their `study`, of one of them. */
 static json_t *shared_of(const json_t *run)
 {
     static const char *const keys[] = {"name", "engine",  "dt",         "scenarios", "scenes",
-                                       "seed", "targets", "parameters", "budget"};
+                                       "seed", "targets", "parameters", "budget",    NULL};
     json_t *study = json_object();
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
-        json_t *value = json_object_get(run, keys[i]);
-        json_object_set_new(study, keys[i], value == NULL ? json_null() : json_incref(value));
-    }
+    copy_keys(study, run, keys);
     return study;
 }
 
@@ -63,41 +68,52 @@ static pl_status take_results(pl_tuner *t, const json_t *results, pl_error *erro
 
 /* ---- The search and the choice again ---- */
 
-static pl_status repeat_search(pl_tuner *t, pl_error *error)
+static void repeat_search(pl_tuner *t)
 {
     const size_t trials = json_array_size(t->points);
-    pl_status status = pl_evaluate_defaults(t, error);
+    pl_evaluate_defaults(t);
     t->found.evaluations = pl_heap_new(trials + 1, sizeof *t->found.evaluations);
-    for (size_t i = 0; i < trials && status == PL_OK; ++i) {
+    for (size_t i = 0; i < trials && t->status == PL_OK; ++i) {
         pl_evaluation evaluation = {
             .cost = (double)INFINITY, .excess = PL_SEARCH_WORST, .trial = (int)i};
         if (!json_is_null(json_array_get(t->points, i))) {
-            status = pl_evaluation_make(t, &evaluation, error);
+            pl_evaluation_make(t, &evaluation);
             pl_search_add(&t->found, &evaluation);
         }
     }
-    if (status == PL_OK && t->found.count == 0) {
-        status = pl_fail(error, PL_BAD_INPUT, "the tuning has no trial yet: --resume goes on");
+    if (t->status == PL_OK && t->found.count == 0) {
+        t->status =
+            pl_fail(t->error, PL_BAD_INPUT, "the tuning has no trial yet: --resume goes on");
     }
-    return status == PL_OK ? pl_tuner_choose(t, error) : status;
+    pl_tuner_choose(t);
 }
 
 /* ---- Sensitivities ---- */
+
+/* The values of a result of the answer or of a neighbour of it; NULL: it is another one. */
+static const json_t *near_answer(const pl_tuner *t, const json_t *row)
+{
+    return strcmp(pl_study_text(row, "study.phase"), "sensitivity") == 0 &&
+                   pl_study_integer(row, "study.trial") == t->best.trial
+               ? pl_study_get(row, "study.values")
+               : NULL;
+}
 
 /* The values of the runs next to the answer in which that parameter is moved down (direction < 0) or up; NULL: none. */
 static const json_t *find_moved(const pl_tuner *t, const json_t *answer, size_t parameter,
                                 int direction)
 {
     const double from = json_number_value(json_array_get(answer, parameter));
-    const json_t *values;
-    size_t index;
-    json_array_foreach(t->moved, index, values)
+    const json_t *found = NULL;
+    const char *key;
+    json_t *row;
+    json_object_foreach(t->rows, key, row)
     {
-        if ((json_number_value(json_array_get(values, parameter)) - from) * direction > 0) {
-            return values;
-        }
+        const json_t *values = near_answer(t, row);
+        const double by = json_number_value(json_array_get(values, parameter)) - from;
+        found = values != NULL && by * direction > 0 ? values : found;
     }
-    return NULL;
+    return found;
 }
 
 static json_t *sensitivities_json(const pl_tuner *t)
@@ -144,13 +160,13 @@ static bool is_finished(const pl_tuner *t)
     const pl_subject answer = pl_tuner_trial(t, "sensitivity", t->best.trial),
                      tried = pl_tuner_trial(t, "search", t->best.trial);
     bool finished = is_complete(t, &answer, &tried);
-    const json_t *values;
-    size_t index;
-    json_array_foreach(t->moved, index, values)
+    const char *key;
+    json_t *row;
+    json_object_foreach(t->rows, key, row)
     {
         pl_subject moved = answer;
-        moved.values = values;
-        finished = finished && is_complete(t, &moved, &moved);
+        moved.values = near_answer(t, row);
+        finished = finished && (moved.values == NULL || is_complete(t, &moved, &moved));
     }
     return finished;
 }
@@ -199,10 +215,9 @@ static json_t *scores_json(const pl_tuner *t)
                      *shipped = pl_tuner_row(t, &defaults, p, 0);
         json_array_append_new(
             list,
-            json_pack("{s:O, s:s, s:o, s:f, s:o, s:o, s:o, s:s, s:o}", "scenario",
-                      json_array_get(json_object_get(t->study, "scenarios"), (size_t)p), "outcome",
-                      pl_json_get_text(row, "outcome"), "metrics",
-                      pl_targets_values(&t->targets, row), "excess",
+            json_pack("{s:s, s:s, s:o, s:f, s:o, s:o, s:o, s:s, s:o}", "scenario",
+                      pl_tuner_scenario(t, p), "outcome", pl_json_get_text(row, "outcome"),
+                      "metrics", pl_targets_values(&t->targets, row), "excess",
                       pl_targets_excess(&t->targets, row), "cost_ratio",
                       time_json(t, &mine, &defaults, p), "seconds", time_json(t, &mine, NULL, p),
                       "shipped_seconds", time_json(t, &defaults, NULL, p), "shipped_outcome",
@@ -234,10 +249,9 @@ static json_t *trials_json(const pl_tuner *t)
 
 static json_t *tuning_json(const pl_tuner *t, const json_t *results)
 {
-    static const char *const kept[] = {"engine", "engine_version", "profile",
-                                       "host",   PL_PROGRAM,       "command"};
-    static const char *const asked[] = {"scenarios", "targets", "seed", "budget"};
-    const json_t *first = answer_row(t);
+    static const char *const kept[] = {"engine",   "engine_version", "profile", "host",
+                                       PL_PROGRAM, "command",        NULL};
+    static const char *const asked[] = {"scenarios", "targets", "seed", "budget", NULL};
     json_t *json = json_pack(
         "{s:s, s:b, s:b, s:b, s:b, s:o, s:b, s:f, s:o, s:o, s:o, s:O, s:i, s:s, s:i, s:o}",
         "schema", "plumb.tuning/1", "finished", (int)is_finished(t), "met", (int)t->met,
@@ -248,12 +262,8 @@ static json_t *tuning_json(const pl_tuner *t, const json_t *results)
         sensitivities_json(t), "validation", t->checks, "passed_over", t->passed_over,
         "search_cost", t->by_instructions ? "instructions" : "cpu_time", "runs",
         (int)json_array_size(results), "trials", trials_json(t));
-    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; ++i) {
-        json_object_set(json, kept[i], json_object_get(first, kept[i]));
-    }
-    for (size_t i = 0; i < sizeof asked / sizeof asked[0]; ++i) {
-        json_object_set(json, asked[i], json_object_get(t->study, asked[i]));
-    }
+    copy_keys(json, answer_row(t), kept);
+    copy_keys(json, t->study, asked);
     return json;
 }
 
@@ -264,35 +274,33 @@ pl_status pl_tune_conclude(const json_t *results, const char *folder, json_t **c
     json_t *study = shared_of(json_object_get(last, "study"));
     pl_tuner t = pl_tuner_begin(study, error);
     (void)folder;
-    pl_status status =
+    t.status =
         t.targets.count > 0 && t.case_count > 0
             ? take_results(&t, results, error)
             : pl_fail(error, PL_BAD_INPUT, "results[%zu].study: expected scenarios and targets",
                       json_array_size(results) - 1);
-    if (status == PL_OK) {
-        status = repeat_search(&t, error);
+    if (t.status == PL_OK) {
+        repeat_search(&t);
     }
-    if (status == PL_OK) {
+    if (t.status == PL_OK) {
         *conclusion = tuning_json(&t, results);
     }
     pl_tuner_free(&t);
     json_decref(study);
-    return status;
+    return t.status;
 }
 
 json_t *pl_tune_profile(const json_t *conclusion)
 {
-    static const char *const kept[] = {"engine",    "engine_version", "profile",
-                                       "scenarios", "targets",        "validated",
-                                       "budget",    "command",        PL_PROGRAM};
+    static const char *const kept[] = {
+        "engine",    "engine_version", "profile", "scenarios", "targets",
+        "validated", "budget",         "command", PL_PROGRAM,  NULL};
     const json_t *setting = json_object_get(conclusion, "setting");
     char made[32];
     pl_timestamp(made);
     json_t *profile = json_pack("{s:s, s:s, s:O?, s:O?, s:s}", "schema", "plumb.profile/1", "name",
                                 "tuned", "dt", json_object_get(setting, "dt"), "options",
                                 json_object_get(setting, "options"), "made", made);
-    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; ++i) {
-        json_object_set(profile, kept[i], json_object_get(conclusion, kept[i]));
-    }
+    copy_keys(profile, conclusion, kept);
     return profile;
 }
