@@ -125,10 +125,12 @@ export class Stage {
 
   addStatic(bounds) {
     const material = new T.MeshLambertMaterial({ color: 0xb9b7ae, side: T.DoubleSide });
+    /* Seen from inside its body, a plane is clear: walls do not hide what they enclose. */
+    const open = new T.MeshLambertMaterial({ color: 0xb9b7ae });
     for (const body of this.scene.bodies) {
       if (body.shape[0] === 'plane') {
         const [x, y, z, offset] = body.shape[1], normal = new T.Vector3(x, y, z), reach = 3 * bounds.radius;
-        const ground = new T.Mesh(new T.CircleGeometry(reach, 64), material);
+        const ground = new T.Mesh(new T.CircleGeometry(reach, 64), open);
         ground.quaternion.setFromUnitVectors(new T.Vector3(0, 0, 1), normal);
         const centre = new T.Vector3(...bounds.centre);
         ground.position.copy(centre.addScaledVector(normal, offset - normal.dot(centre) - bounds.radius * 2e-3));
