@@ -206,8 +206,10 @@ def run_page(page, source, build, environment):
             continue
         count += 1
         print(f"{where}: {time.monotonic() - begin:.1f} s: {command}", flush=True)
-        # A run whose outcome is not ok has worked: engines with their default settings do collapse.
-        expected = (what.code,) if what.code is not None else (0, 3) if command.startswith("plumb run") else (0,)
+        # A run whose outcome is not ok has worked: engines with their default settings do collapse. So has a
+        # search that is reduced to less than its target needs.
+        may_fail = command.startswith("plumb run") or (command != what and command.startswith("plumb tune"))
+        expected = (what.code,) if what.code is not None else (0, 3) if may_fail else (0,)
         printed = done.stdout.decode(errors="replace")
         if done.returncode not in expected:
             failures += 1
