@@ -343,8 +343,7 @@ pl_store *pl_request_open_store(const pl_call *call, const pl_request *request,
                                 const char *const *others)
 {
     const pl_store_mode mode = pl_store_mode_of(request->resume, request->force);
-    pl_call_check(call, pl_store_open(request->out, mode, others, &open_store, call->error),
-                  call->error);
+    pl_call_need(call, pl_store_open(request->out, mode, others, &open_store, call->error));
     open_folder = request->out;
     return open_store;
 }
@@ -360,6 +359,11 @@ void pl_call_check_end(const pl_call *call, pl_status status, const pl_error *er
 void pl_call_check(const pl_call *call, pl_status status, const pl_error *error)
 {
     pl_call_check_end(call, status, error, 0);
+}
+
+void pl_call_need(const pl_call *call, pl_status status)
+{
+    pl_call_check(call, status, call->error);
 }
 
 void pl_call_print_json(const json_t *value)

@@ -120,6 +120,9 @@ void pl_call_check_end(const pl_call *call, pl_status status, const pl_error *er
 /* The same where no signal is waited for. */
 void pl_call_check(const pl_call *call, pl_status status, const pl_error *error);
 
+/* The same where the error is that of the call. */
+void pl_call_need(const pl_call *call, pl_status status);
+
 /* Reports that there is nothing to do, and why. Returns PL_EXIT_NOTHING. */
 int pl_call_nothing(const pl_call *call, const char *why);
 

@@ -38,7 +38,6 @@ static void print_table(const pl_result_table *results)
 static int deliver(const pl_call *call, const options *o, const json_t *all,
                    const json_t *reference)
 {
-    pl_error error = {.message = ""};
     json_t *results = pl_results_of_study(all, NULL);
     const size_t count = json_array_size(results);
     const char *const folders[] = {o->request.out};
@@ -53,22 +52,22 @@ static int deliver(const pl_call *call, const options *o, const json_t *all,
                                .folders = folders,
                                .folder_count = 1,
                                .reference = reference};
-    pl_call_check(call, pl_result_table_build(&table_def, &table, &error), &error);
-    pl_status status = pl_report_write(&def, &error);
+    pl_call_need(call, pl_result_table_build(&table_def, &table, call->error));
+    pl_status status = pl_report_write(&def, call->error);
     if (status == PL_OK) {
-        status = pl_results_write_json(o->request.json, results, &error);
+        status = pl_results_write_json(o->request.json, results, call->error);
     }
     if (!pl_is_stdout(o->request.json)) {
         print_table(&table);
         pl_reference_study_print(stdout, reference);
     }
-    pl_call_check(call, status, &error);
+    pl_call_need(call, status);
     fflush(stdout);
     pl_result_table_print_left_out(&table, stderr);
     pl_print_line(stderr, "%zu %s and the report are in %s/", count,
                   count == 1 ? "result" : "results", o->request.out);
     if (o->open) {
-        pl_call_check(call, pl_open_page(page, &error), &error);
+        pl_call_need(call, pl_open_page(page, call->error));
     }
     const int code = pl_results_all_unsupported(results) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     pl_result_table_free(&table);
@@ -81,13 +80,11 @@ static int deliver(const pl_call *call, const options *o, const json_t *all,
 /* Makes the folder of recordings. Returns its path, which the caller frees. */
 static char *prepare_recordings(const pl_call *call, const options *o)
 {
-    pl_error error = {.message = ""};
     char *path = pl_heap_format("%s/recordings", o->request.out);
-    pl_call_check(call, pl_make_directories(path, &error), &error);
+    pl_call_need(call, pl_make_directories(path, call->error));
     char *folder = realpath(path, NULL); /* an engine may change the working directory */
     if (folder == NULL) {
-        pl_fail(&error, PL_IO, "%.300s: %s", path, strerror(errno));
-        pl_call_check(call, PL_IO, &error);
+        pl_call_need(call, pl_fail(call->error, PL_IO, "%.300s: %s", path, strerror(errno)));
     }
     free(path);
     return folder;
@@ -96,14 +93,13 @@ static char *prepare_recordings(const pl_call *call, const options *o)
 static void make_runs(const pl_call *call, const options *o, pl_execution_def execution)
 {
     int signal_number = 0;
-    pl_error error = {.message = ""};
     char *recordings = o->no_recordings ? NULL : prepare_recordings(call, o);
     execution.recordings = recordings;
     pl_request_note_threads(call, execution.plan);
     const pl_status status =
-        (o->tolerance ? pl_tolerance_execute : pl_execute)(&execution, &signal_number, &error);
+        (o->tolerance ? pl_tolerance_execute : pl_execute)(&execution, &signal_number, call->error);
     free(recordings);
-    pl_call_check_end(call, status, &error, signal_number);
+    pl_call_check_end(call, status, call->error, signal_number);
 }
 
 /* Makes the converged references of scene files that expect nothing. Returns their outcome; NULL: there is none. */
@@ -112,11 +108,10 @@ static json_t *make_references(const pl_call *call, const options *o, pl_executi
     static const pl_plan none = {.repeats = 1};
     int signal_number = 0;
     json_t *outcome = NULL;
-    pl_error error = {.message = ""};
     execution.plan = o->no_reference ? &none : execution.plan;
     const pl_status status = pl_reference_study(&execution, o->request.out, o->request.resume,
-                                                &outcome, &signal_number, &error);
-    pl_call_check_end(call, status, &error, signal_number);
+                                                &outcome, &signal_number, call->error);
+    pl_call_check_end(call, status, call->error, signal_number);
     return outcome;
 }
 
@@ -124,7 +119,6 @@ static json_t *make_references(const pl_call *call, const options *o, pl_executi
 static int execute(const pl_call *call, const options *o, const pl_plan *plan)
 {
     static const char *const report_files[] = {"index.html", NULL};
-    pl_error error = {.message = ""};
     pl_store *store = pl_request_open_store(call, &o->request, report_files);
     json_t *provenance = pl_call_provenance(call);
     const pl_execution_def execution = {.plan = plan,
@@ -144,7 +138,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     json_decref(reference);
     json_decref(provenance);
     free(recordings);
-    return pl_call_end_store(call, store, o->request.out, PL_OK, &error, 0, code);
+    return pl_call_end_store(call, store, o->request.out, PL_OK, call->error, 0, code);
 }
 
 static int run(const pl_call *call)
@@ -155,10 +149,9 @@ static int run(const pl_call *call)
     if (o.request.names.count == 0 && o.request.suites.count == 0) {
         pl_texts_add(&o.request.suites, "canonical");
     }
-    pl_error error = {.message = ""};
     pl_plan plan = {.repeats = o.repeats};
-    pl_call_check(call, pl_request_outputs(&o.request, NULL, &error), &error);
-    pl_call_check(call, pl_request_plan(call, &o.request, &plan, &error), &error);
+    pl_call_need(call, pl_request_outputs(&o.request, NULL, call->error));
+    pl_call_need(call, pl_request_plan(call, &o.request, &plan, call->error));
     const int code = pl_plan_size(&plan) == 0 ? pl_call_nothing(call, "there is nothing to compare")
                                               : execute(call, &o, &plan);
     pl_plan_free(&plan);

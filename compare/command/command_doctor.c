@@ -54,7 +54,7 @@ static void add_engine(const pl_call *call, const pl_built_in *built_in, json_t 
             list, json_pack("{s:s, s:b, s:s}", "name", built_in->name, "present", 0, "get", how));
         return;
     }
-    pl_call_check(call, pl_engine_of_build(built_in, &engine, call->error), call->error);
+    pl_call_need(call, pl_engine_of_build(built_in, &engine, call->error));
     json_t *item = json_pack("{s:s, s:b, s:s}", "name", built_in->name, "present", 1, "runtime",
                              pl_engine_runtime(engine));
     json_array_append_new(list, item);

@@ -68,15 +68,13 @@ static void read_rules(material *m)
     m->rules = pl_heap_new((size_t)texts->count, sizeof *m->rules);
     for (int i = 0; i < texts->count; ++i) {
         pl_gate_rule *rule = &m->rules[i];
-        pl_call_check(m->call, pl_gate_rule_parse(texts->items[i], rule, m->call->error),
-                      m->call->error);
+        pl_call_need(m->call, pl_gate_rule_parse(texts->items[i], rule, m->call->error));
         if (rule->is_relative && m->o->baseline == NULL) {
-            pl_call_check(
+            pl_call_need(
                 m->call,
                 pl_fail(m->call->error, PL_BAD_INPUT,
                         "--fail-if \"%.120s\": column %d: a relative rule needs --baseline",
-                        rule->text, rule->value_column),
-                m->call->error);
+                        rule->text, rule->value_column));
         }
     }
 }
@@ -97,11 +95,10 @@ static void check_reference(const material *m)
     if (!found) {
         char hint[PL_SUGGESTION_SIZE];
         pl_did_you_mean(reference, labels, rows->count, hint);
-        pl_call_check(m->call,
-                      pl_fail(m->call->error, PL_BAD_INPUT,
-                              "--reference %.100s: the results have no run of that engine%s",
-                              reference, hint),
-                      m->call->error);
+        pl_call_need(m->call,
+                     pl_fail(m->call->error, PL_BAD_INPUT,
+                             "--reference %.100s: the results have no run of that engine%s",
+                             reference, hint));
     }
     free(labels);
 }
@@ -115,19 +112,16 @@ static void read_all(material *m)
     for (int i = 0; i < count; ++i) {
         json_t *results = NULL;
         m->files[i].path = o->request.names.items[i];
-        pl_call_check(m->call, pl_gate_read(m->files[i].path, &results, m->call->error),
-                      m->call->error);
+        pl_call_need(m->call, pl_gate_read(m->files[i].path, &results, m->call->error));
         m->files[i].results = results;
     }
     const pl_result_table_def def = {.files = m->files, .file_count = count};
-    pl_call_check(m->call, pl_result_table_build(&def, &m->results, m->call->error),
-                  m->call->error);
+    pl_call_need(m->call, pl_result_table_build(&def, &m->results, m->call->error));
     pl_result_table_print_left_out(&m->results, stderr);
     pl_gate_gather(&m->results, &o->tolerances, &m->now);
     check_reference(m);
     if (!o->update && o->baseline != NULL) {
-        pl_call_check(m->call, pl_gate_baseline_read(o->baseline, &m->before, m->call->error),
-                      m->call->error);
+        pl_call_need(m->call, pl_gate_baseline_read(o->baseline, &m->before, m->call->error));
     }
     pl_gate_rows_disambiguate(&m->now, &m->before);
 }
@@ -135,8 +129,7 @@ static void read_all(material *m)
 static void update(material *m)
 {
     pl_gate_ratios_add(&m->now, m->o->reference);
-    pl_call_check(m->call, pl_gate_baseline_write(m->o->baseline, &m->now, m->call->error),
-                  m->call->error);
+    pl_call_need(m->call, pl_gate_baseline_write(m->o->baseline, &m->now, m->call->error));
     pl_print_line(stderr, "%d row%s written to %s", m->now.count, m->now.count == 1 ? "" : "s",
                   m->o->baseline);
 }
@@ -187,20 +180,20 @@ static void deliver(const material *m)
         pl_gate_verdict_summary(&m->verdict, summary, sizeof summary);
         pl_print_line(stderr, "%s", summary);
     }
-    pl_call_check(m->call, status, m->call->error);
+    pl_call_need(m->call, status);
 }
 
 /* Returns the exit code. */
 static int judge(material *m)
 {
     const options *o = m->o;
-    const pl_gate_inputs in = {.before = o->baseline == NULL ? NULL : &m->before,
-                               .now = &m->now,
-                               .tolerances = &o->tolerances,
-                               .rules = m->rules,
-                               .rule_count = o->rules.count,
-                               .reference = o->reference};
-    pl_gate_judge(&in, &m->verdict);
+    m->verdict = (pl_gate_verdict){.before = o->baseline == NULL ? NULL : &m->before,
+                                   .now = &m->now,
+                                   .tolerances = &o->tolerances,
+                                   .rules = m->rules,
+                                   .rule_count = o->rules.count,
+                                   .reference = o->reference};
+    pl_gate_judge(&m->verdict);
     deliver(m);
     return m->verdict.failures > 0       ? PL_EXIT_GATE
            : m->verdict.comparisons == 0 ? PL_EXIT_NOTHING
@@ -213,7 +206,7 @@ static int run(const pl_call *call)
     options o = {.request = pl_request_default(), .tolerances = pl_gate_tolerances_default()};
     material m = {.call = call, .o = &o};
     pl_call_parse(call, &o);
-    pl_call_check(call, pl_request_outputs(&o.request, o.request.out, call->error), call->error);
+    pl_call_need(call, pl_request_outputs(&o.request, o.request.out, call->error));
     read_all(&m);
     if (m.now.count == 0) {
         code = pl_call_nothing(call, "the results are empty");

@@ -229,9 +229,9 @@ static void write_page(const pl_call *call, const options *o)
 {
     pl_text_buffer out = {0};
     json_t *scenarios = list_scenarios(), *suites = list_suites();
-    pl_call_check(call, pl_request_outputs(&o->request, o->page, call->error), call->error);
-    pl_call_check(call, pl_catalogue_page(scenarios, suites, &out, call->error), call->error);
-    pl_call_check(call, pl_write_buffer(o->page, &out, call->error), call->error);
+    pl_call_need(call, pl_request_outputs(&o->request, o->page, call->error));
+    pl_call_need(call, pl_catalogue_page(scenarios, suites, &out, call->error));
+    pl_call_need(call, pl_write_buffer(o->page, &out, call->error));
     json_decref(scenarios);
     json_decref(suites);
 }

@@ -217,10 +217,10 @@ static int run(const pl_call *call)
     for (size_t n = strlen(path); n > 1 && path[n - 1] == '/'; --n) {
         path[n - 1] = '\0';
     }
-    pl_call_check(call, check_target(path, call->error), call->error);
+    pl_call_need(call, check_target(path, call->error));
     name_after(path, folder_name);
-    pl_call_check(call, check_not_built_in(name, call->error), call->error);
-    pl_call_check(call, make(of, path, name, call->error), call->error);
+    pl_call_need(call, check_not_built_in(name, call->error));
+    pl_call_need(call, make(of, path, name, call->error));
     pl_text_buffer next = {0};
     add_named(&next, of->before, name);
     pl_text_add_shell(&next, path);

@@ -38,14 +38,7 @@ typedef struct making {
     const options *o;
     const pl_request *request; /* of o */
     pl_merge merge;
-    pl_error error;
 } making;
-
-/* Ends the program with the error of *m unless the status is PL_OK. */
-static void need(const making *m, pl_status status)
-{
-    pl_call_check(m->call, status, &m->error);
-}
 
 /* Results of the folder that are not in the report would be lost. */
 static void check_kept(making *m, pl_store *store)
@@ -58,10 +51,11 @@ static void check_kept(making *m, pl_store *store)
         lost += json_object_get(m->merge.runs, pl_json_get_text(result, "run")) == NULL;
     }
     if (lost > 0 && !m->request->force) {
-        need(m, pl_fail(&m->error, PL_BAD_INPUT,
-                        "%s/results.jsonl has %ld results that the report would not have: "
-                        "name it too, or choose another --out; --force leaves them out",
-                        m->request->out, lost));
+        pl_call_need(m->call,
+                     pl_fail(m->call->error, PL_BAD_INPUT,
+                             "%s/results.jsonl has %ld results that the report would not have: "
+                             "name it too, or choose another --out; --force leaves them out",
+                             m->request->out, lost));
     }
 }
 
@@ -82,7 +76,7 @@ static void check_file(making *m, bool is_own, const char *file)
 {
     char *path = pl_heap_format("%s/%s", m->request->out, file);
     if (!is_own) {
-        need(m, pl_output_check(path, m->request->force, &m->error));
+        pl_call_need(m->call, pl_output_check(path, m->request->force, m->call->error));
     }
     free(path);
 }
@@ -94,7 +88,7 @@ static pl_result_table build_table(making *m, bool has_changes)
                                      .has_changes = has_changes,
                                      .home = m->request->home};
     pl_result_table results;
-    need(m, pl_result_table_build(&def, &results, &m->error));
+    pl_call_need(m->call, pl_result_table_build(&def, &results, m->call->error));
     return results;
 }
 
@@ -104,7 +98,8 @@ static void analyse(making *m)
     pl_result_table results = build_table(m, true);
     json_t *conclusion = pl_sweep_conclude(&results);
     if (json_is_true(json_object_get(conclusion, "varied"))) {
-        need(m, pl_study_write(m->request, &pl_sweep_study, conclusion, &m->error));
+        pl_call_need(m->call,
+                     pl_study_write(m->request, &pl_sweep_study, conclusion, m->call->error));
         pl_print_line(stderr, "speed against error is in %s/sweep.html", m->request->out);
     }
     json_decref(conclusion);
@@ -140,10 +135,10 @@ static void write_report(making *m)
     char *picture = NULL;
     pl_result_table_print_left_out(&results, stderr);
     if (o->figure == NULL) {
-        need(m, pl_report_write(&def, &m->error));
+        pl_call_need(m->call, pl_report_write(&def, m->call->error));
     } else {
-        need(m, pl_figure_write(&def, o->figure, o->format->picture, m->request->force, &picture,
-                                &m->error));
+        pl_call_need(m->call, pl_figure_write(&def, o->figure, o->format->picture,
+                                              m->request->force, &picture, m->call->error));
         pl_print_line(stderr, "the picture is in %s", picture);
         free(picture);
     }
@@ -165,10 +160,11 @@ static void conclude_studies(making *m)
                                          .study = studies[i]->name,
                                          .has_changes = true};
         json_t *own = NULL, *conclusion = NULL;
-        need(m, pl_results_that_count(&def, &own, &m->error));
+        pl_call_need(m->call, pl_results_that_count(&def, &own, m->call->error));
         if (json_array_size(own) > 0) {
-            need(m, pl_study_deliver(m->request, studies[i], own, m->request->names.items[0],
-                                     &conclusion, &m->error));
+            pl_call_need(m->call,
+                         pl_study_deliver(m->request, studies[i], own, m->request->names.items[0],
+                                          &conclusion, m->call->error));
         }
         json_decref(conclusion);
         json_decref(own);
@@ -201,7 +197,8 @@ static void deliver_all(making *m)
     pl_store *store = NULL;
     json_t *plain = pl_results_of_study(m->merge.results, NULL);
     char *path = pl_heap_format("%s/results.jsonl", m->request->out);
-    need(m, pl_store_open(m->request->out, PL_STORE_RESUME, NULL, &store, &m->error));
+    pl_call_need(m->call,
+                 pl_store_open(m->request->out, PL_STORE_RESUME, NULL, &store, m->call->error));
     check_kept(m, store);
     check_file(m, json_array_size(pl_store_results(store)) > 0, "index.html");
     if (json_array_size(plain) > 0) {
@@ -209,7 +206,7 @@ static void deliver_all(making *m)
         analyse(m);
     }
     conclude_studies(m);
-    need(m, pl_merge_write(&m->merge, path, &m->error));
+    pl_call_need(m->call, pl_merge_write(&m->merge, path, m->call->error));
     say_counts(m);
     pl_store_close(store);
     json_decref(plain);
@@ -222,7 +219,7 @@ static void deliver_one(making *m)
     if (m->o->format->file != NULL) {
         check_file(m, is_read(m->request), m->o->format->file);
     }
-    need(m, pl_make_directories(m->request->out, &m->error));
+    pl_call_need(m->call, pl_make_directories(m->request->out, m->call->error));
     write_report(m);
 }
 
@@ -243,9 +240,10 @@ static bool deliver_study(making *m)
     const char *name = known != NULL ? known->name : kind;
     char *page = pl_heap_format("%s.html", name);
     check_file(m, false, page);
-    need(m, pl_make_directories(out, &m->error));
-    need(m, known != NULL ? pl_study_write_page(out, known, study, &m->error)
-                          : pl_study_page_write(out, kind, kind, study, &m->error));
+    pl_call_need(m->call, pl_make_directories(out, m->call->error));
+    pl_call_need(m->call, known != NULL
+                              ? pl_study_write_page(out, known, study, m->call->error)
+                              : pl_study_page_write(out, kind, kind, study, m->call->error));
     pl_print_line(stderr, "the page is in %s/%s", out, page);
     free(page);
     json_decref(study);
@@ -290,7 +288,8 @@ static int run(const pl_call *call)
     int code = PL_EXIT_OK;
     if (!deliver_study(&m)) {
         for (int i = 0; i < o.request.names.count; ++i) {
-            need(&m, pl_merge_add(&m.merge, o.request.names.items[i], stderr, &m.error));
+            pl_call_need(call,
+                         pl_merge_add(&m.merge, o.request.names.items[i], stderr, call->error));
         }
         if (json_array_size(m.merge.results) == 0) {
             code = pl_call_nothing(call, "there are no results");

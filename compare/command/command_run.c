@@ -193,7 +193,7 @@ static json_t *execute(const pl_call *call, const options *o, const pl_plan *pla
 {
     int signal_number = 0;
     trajectory frames = {.file = NULL};
-    pl_call_check(call, check_capture(o, plan, call->error), call->error);
+    pl_call_need(call, check_capture(o, plan, call->error));
     pl_capture_target target = {
         .path = o->capture, .step = o->capture_step, .source = capture_source(plan)};
     const pl_capture capture = {.step = o->capture_step, .take = pl_capture_write, .user = &target};
@@ -226,18 +226,17 @@ static int run(const pl_call *call)
     pl_plan plan = {.repeats = 1};
     /* Of files that are numbered, the first stands for all. */
     char *capture = o.capture == NULL ? NULL : pl_capture_path(o.capture, 1);
-    pl_call_check(call, pl_request_outputs(&o.request, o.trajectory, call->error), call->error);
-    pl_call_check(call, pl_output_check(capture, o.request.force, call->error), call->error);
-    pl_call_check(call, pl_request_add_cases(&o.request, &plan, call->error), call->error);
+    pl_call_need(call, pl_request_outputs(&o.request, o.trajectory, call->error));
+    pl_call_need(call, pl_output_check(capture, o.request.force, call->error));
+    pl_call_need(call, pl_request_add_cases(&o.request, &plan, call->error));
     pl_engine_describe_within(&o.request.limits);
-    pl_call_check(call, pl_plan_add_engine(&plan, o.request.engines.items[0], call->error),
-                  call->error);
+    pl_call_need(call, pl_plan_add_engine(&plan, o.request.engines.items[0], call->error));
     pl_request_note_threads(call, &plan);
     json_t *result = execute(call, &o, &plan);
     if (!pl_is_stdout(o.request.json) && !pl_is_stdout(o.trajectory)) {
         print_result(result);
     }
-    pl_call_check(call, pl_results_write_json(o.request.json, result, call->error), call->error);
+    pl_call_need(call, pl_results_write_json(o.request.json, result, call->error));
     const bool is_ok = strcmp(pl_json_get_text(result, "outcome"), "ok") == 0;
     json_decref(result);
     pl_plan_free(&plan);

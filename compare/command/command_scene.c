@@ -42,10 +42,10 @@ static int run(const pl_call *call)
     pl_call_parse(call, &own);
     pl_plan plan = {.repeats = 1};
     pl_text_buffer mjcf = {0};
-    pl_call_check(call, pl_request_add_cases(&own.request, &plan, call->error), call->error);
+    pl_call_need(call, pl_request_add_cases(&own.request, &plan, call->error));
     const pl_scene *scene = &plan.cases[0].scene;
     if (own.is_mjcf) {
-        pl_call_check(call, write_mjcf(scene, &mjcf, call->error), call->error);
+        pl_call_need(call, write_mjcf(scene, &mjcf, call->error));
     }
     char *text = own.is_mjcf ? pl_text_take(&mjcf) : pl_scene_to_text(scene);
     if (text == NULL) {

@@ -46,9 +46,9 @@ static int run(const pl_call *call)
     char *path = NULL;
     pl_call_parse(call, &request);
     const char *name = request.names.count == 0 ? "report" : request.names.items[0];
-    pl_call_check(call, find_page(name, &path, call->error), call->error);
+    pl_call_need(call, find_page(name, &path, call->error));
     printf("%s\n", path);
-    pl_call_check(call, pl_open_page(path, call->error), call->error);
+    pl_call_need(call, pl_open_page(path, call->error));
     free(path);
     pl_request_free(&request);
     return PL_EXIT_OK;

@@ -76,7 +76,7 @@ static void describe_engine(const pl_call *call, json_t *item, const pl_engine_i
         json_object_set_new(item, "fault", pl_json_text(e->fault.reason));
         return;
     }
-    pl_call_check(call, pl_tuned_profiles(e, &tuned, call->error), call->error);
+    pl_call_need(call, pl_tuned_profiles(e, &tuned, call->error));
     json_t *words = e->built_in == NULL ? NULL : pl_engine_words();
     json_t *known = json_pack("{s:s, s:s, s:s, s:s, s:s, s:o, s:s, s:i, s:o, s:o, s:o, s:O*}",
                               "version", e->version, "description", e->description, "runtime",
@@ -98,7 +98,7 @@ static void add_built_in(const pl_call *call, const pl_built_in *built_in, json_
                              built_in->package, "present", is_present);
     json_array_append_new(list, item);
     if (is_present) {
-        pl_call_check(call, pl_engine_of_build(built_in, &engine, call->error), call->error);
+        pl_call_need(call, pl_engine_of_build(built_in, &engine, call->error));
         describe_engine(call, item, engine);
     } else {
         char how[PL_HOW_TO_GET];
@@ -117,7 +117,7 @@ json_t *pl_engine_list(const pl_call *call, const pl_texts *names)
     }
     for (int i = 1; i < names->count; ++i) {
         pl_engine_choice choice;
-        pl_call_check(call, pl_engine_choose(names->items[i], &choice, call->error), call->error);
+        pl_call_need(call, pl_engine_choose(names->items[i], &choice, call->error));
         json_t *item = json_pack("{s:s, s:b}", "name", choice.engine->name, "present", true);
         json_array_append_new(list, item);
         describe_engine(call, item, choice.engine);

@@ -108,49 +108,41 @@ static pl_status conclude(const pl_study_work *work, pl_store *store, int *code,
 static int carry_out(const pl_call *call, const pl_study_work *work, const pl_plan *plan)
 {
     const pl_request *request = work->options;
-    const pl_store_mode mode = pl_store_mode_of(request->resume, request->force);
-    pl_error error = {.message = ""};
-    pl_store *store = NULL;
     int signal_number = 0, code = PL_EXIT_OK;
     char *file = pl_heap_format("%s.json", work->study->name);
-    pl_call_check(call,
-                  pl_request_outputs(request, work->output == NULL ? NULL : *work->output, &error),
-                  &error);
-    pl_call_check(
-        call, pl_store_open(request->out, mode, (const char *const[]){file, NULL}, &store, &error),
-        &error);
+    pl_call_need(call, pl_request_outputs(request, work->output == NULL ? NULL : *work->output,
+                                          call->error));
+    pl_store *store = pl_request_open_store(call, request, (const char *const[]){file, NULL});
     pl_execution_def how = {.plan = plan,
                             .jobs = request->jobs,
                             .limits = request->limits,
                             .provenance = pl_call_provenance(call),
                             .store = store,
                             .progress = stderr};
-    pl_status status = work->run == NULL ? pl_execute(&how, &signal_number, &error)
-                                         : work->run(work->options, &how, &signal_number, &error);
+    pl_status status = work->run == NULL
+                           ? pl_execute(&how, &signal_number, call->error)
+                           : work->run(work->options, &how, &signal_number, call->error);
     if (status == PL_OK && signal_number == 0) {
-        status = conclude(work, store, &code, &error);
+        status = conclude(work, store, &code, call->error);
         if (status == PL_OK) {
             pl_store_finish(store);
         }
     }
     json_decref(how.provenance);
     free(file);
-    code = pl_call_end_store(call, store, request->out, status, &error, signal_number, code);
+    code = pl_call_end_store(call, store, request->out, status, call->error, signal_number, code);
     return status == PL_UNSUPPORTED ? PL_EXIT_NOTHING : code;
 }
 
 int pl_study_main(const pl_call *call, const pl_study_work *work)
 {
     pl_request *request = work->options;
-    pl_error error = {.message = ""};
     json_t *named = json_pack("{s:s}", "name", work->study->name);
     pl_plan plan = {.repeats = 1, .study = work->plan == NULL ? named : NULL};
     request->out = work->study->name;
     pl_call_parse(call, request);
-    pl_call_check(call,
-                  work->plan == NULL ? pl_request_plan(call, request, &plan, &error)
-                                     : work->plan(work->options, call, &plan, &error),
-                  &error);
+    pl_call_need(call, work->plan == NULL ? pl_request_plan(call, request, &plan, call->error)
+                                          : work->plan(work->options, call, &plan, call->error));
     const int code =
         pl_plan_size(&plan) > 0
             ? carry_out(call, work, &plan)

@@ -1,11 +1,7 @@
 /* The list of all studies. */
-#include "command.h"
+#include "study_command.h"
 
 #include <string.h>
-
-#define COMMAND(name)
-#define STUDY(name) extern const pl_study pl_##name##_study;
-#include "commands.def"
 
 const pl_study *const *pl_studies(int *count)
 {

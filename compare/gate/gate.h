@@ -196,28 +196,22 @@ typedef struct pl_gate_entry {
     int row_count;     /* of a notice of several rows, else 0 */
 } pl_gate_entry;
 
-/* Everything that the gate reports. */
+/* What is judged and by what, which the caller sets, and what the gate says of it. */
 typedef struct pl_gate_verdict {
-    const pl_gate_rows *before; /* NULL: no baseline */
-    const pl_gate_rows *now;
-    pl_gate_entry *items; /* failures, notices of one row, notices of several rows */
-    int count;
-    int failures, notices;
-    int comparisons; /* values compared with a baseline or a rule */
-} pl_gate_verdict;
-
-/* What is judged, and by what. */
-typedef struct pl_gate_inputs {
     const pl_gate_rows *before; /* the baseline; NULL: rules alone */
     const pl_gate_rows *now;
     const pl_gate_tolerances *tolerances;
     const pl_gate_rule *rules; /* (rule_count) */
     int rule_count;
     const char *reference; /* the engine that times are compared with; NULL: that of the baseline */
-} pl_gate_inputs;
+    pl_gate_entry *items;  /* failures, notices of one row, notices of several rows */
+    int count;
+    int failures, notices;
+    int comparisons; /* values compared with a baseline or a rule */
+} pl_gate_verdict;
 
-/* Fills *verdict, which borrows from the rows and rules. The caller frees its items. */
-void pl_gate_judge(const pl_gate_inputs *in, pl_gate_verdict *verdict);
+/* Judges, and adds what is found to *verdict, which borrows from the rows and rules. The caller frees its items. */
+void pl_gate_judge(pl_gate_verdict *verdict);
 
 /* Writes "gate passed: 120 comparisons of 8 rows, 2 notices" into a buffer of `size`. */
 void pl_gate_verdict_summary(const pl_gate_verdict *verdict, char *text, size_t size);

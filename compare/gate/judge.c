@@ -101,15 +101,15 @@ static void value_text(const json_t *value, char text[96])
 }
 
 /* Judges a metric of which at least one value is not a number. */
-static void judge_others(const pl_gate_inputs *in, const pl_gate_row *row, const char *metric,
-                         const json_t *before, const json_t *now, pl_gate_verdict *verdict)
+static void judge_others(const pl_gate_row *row, const char *metric, const json_t *before,
+                         const json_t *now, pl_gate_verdict *verdict)
 {
     int id = pl_metric_by_name(metric);
     ++verdict->comparisons;
     if (now != NULL && json_equal(before, now)) {
         return;
     }
-    if (id == PL_METRIC_STATE_HASH && !in->tolerances->of[id].given) {
+    if (id == PL_METRIC_STATE_HASH && !verdict->tolerances->of[id].given) {
         note(verdict, "state_hash", "other bits");
         return;
     }
@@ -161,15 +161,15 @@ static void describe_change(double before, double now, const char *word, const c
     }
 }
 
-static void judge_number(const pl_gate_inputs *in, const pl_gate_row *row, const char *metric,
-                         double before, pl_gate_verdict *verdict)
+static void judge_number(const pl_gate_row *row, const char *metric, double before,
+                         pl_gate_verdict *verdict)
 {
     static const pl_gate_tolerance unknown = {.relative = 1e-6, .absolute = 1e-9};
     int id = pl_metric_by_name(metric);
     pl_direction direction = id < 0 ? PL_NO_DIRECTION : pl_metric_table[id].direction;
     double dt = pl_json_get_number(row->json, "dt");
     double allowed =
-        pl_gate_tolerance_at(id < 0 ? &unknown : &in->tolerances->of[id], id, before, dt);
+        pl_gate_tolerance_at(id < 0 ? &unknown : &verdict->tolerances->of[id], id, before, dt);
     const pl_metric_summary summary = pl_gate_cell_metric(row->cell, metric);
     const double now = worst_of(&summary, direction, before);
     ++verdict->comparisons;
@@ -191,8 +191,8 @@ static void judge_number(const pl_gate_inputs *in, const pl_gate_row *row, const
              unit[0] == '\0' ? "" : " ", unit);
 }
 
-static void judge_metrics(const pl_gate_inputs *in, const pl_gate_row *before,
-                          const pl_gate_row *now, pl_gate_verdict *verdict)
+static void judge_metrics(const pl_gate_row *before, const pl_gate_row *now,
+                          pl_gate_verdict *verdict)
 {
     const char *metric;
     json_t *value;
@@ -200,21 +200,21 @@ static void judge_metrics(const pl_gate_inputs *in, const pl_gate_row *before,
     {
         int id = pl_metric_by_name(metric);
         const json_t *found = json_object_get(now->metrics, metric);
-        if (id >= 0 && in->tolerances->of[id].off) {
+        if (id >= 0 && verdict->tolerances->of[id].off) {
             continue;
         }
         if (found == NULL && pl_gate_cell_metric(now->cell, metric).state != PL_METRIC_ABSENT) {
             note(verdict, metric, "is compared only with --tolerance");
         } else if (json_is_number(value) && json_is_number(found)) {
-            judge_number(in, now, metric, json_number_value(value), verdict);
+            judge_number(now, metric, json_number_value(value), verdict);
         } else {
-            judge_others(in, now, metric, value, found, verdict);
+            judge_others(now, metric, value, found, verdict);
         }
     }
     json_object_foreach((json_t *)now->metrics, metric, value)
     {
         int id = pl_metric_by_name(metric);
-        bool is_off = id >= 0 && in->tolerances->of[id].off;
+        bool is_off = id >= 0 && verdict->tolerances->of[id].off;
         if (!is_off && json_object_get(before->metrics, metric) == NULL) {
             note(verdict, metric, "the baseline has no such metric");
         }
@@ -224,11 +224,11 @@ static void judge_metrics(const pl_gate_inputs *in, const pl_gate_row *before,
 /* ---- Times and instructions ---- */
 
 /* Returns the last relative rule on this cost of the row, which replaces the general limit. */
-static const pl_gate_rule *rule_of(const pl_gate_inputs *in, const pl_gate_row *row, int cost)
+static const pl_gate_rule *rule_of(const pl_gate_verdict *verdict, const pl_gate_row *row, int cost)
 {
     const pl_gate_rule *found = NULL;
-    for (int i = 0; i < in->rule_count; ++i) {
-        const pl_gate_rule *rule = &in->rules[i];
+    for (int i = 0; i < verdict->rule_count; ++i) {
+        const pl_gate_rule *rule = &verdict->rules[i];
         if (pl_gate_rule_is_cost(rule) && pl_gate_cost_of(rule->metric) == cost &&
             pl_gate_rule_selects(rule, row)) {
             found = rule;
@@ -269,29 +269,29 @@ static void judge_trend(const pl_gate_row *row, int cost, const json_t *kept,
     snprintf(entry->allowed, sizeof entry->allowed, "+%.3g %% and the noise", 100 * limit);
 }
 
-static void judge_cost(const pl_gate_inputs *in, const pl_gate_row *before, const pl_gate_row *now,
-                       int cost, pl_gate_verdict *verdict)
+static void judge_cost(const pl_gate_row *before, const pl_gate_row *now, int cost,
+                       pl_gate_verdict *verdict)
 {
     const char *metric = pl_metric_table[cost].name;
     const json_t *kept = json_object_get(before->json, pl_metric_table[cost].ratio);
-    const pl_gate_rule *rule = rule_of(in, now, cost);
+    const pl_gate_rule *rule = rule_of(verdict, now, cost);
     if (kept == NULL || (!pl_metric_is(cost, PL_TRAIT_GATED) && rule == NULL)) {
         return;
     }
     const char *kept_reference = pl_json_get_text(kept, "reference");
-    if (in->reference != NULL && strcmp(in->reference, kept_reference) != 0) {
+    if (verdict->reference != NULL && strcmp(verdict->reference, kept_reference) != 0) {
         note(verdict, metric, "not compared: the baseline has another reference");
         return;
     }
     const pl_gate_ratio ratio = pl_gate_ratio_measure(
-        now->cell, pl_gate_reference_of(in->now, now, kept_reference), metric);
+        now->cell, pl_gate_reference_of(verdict->now, now, kept_reference), metric);
     if (ratio.repeats == 0) {
         note(verdict, metric, "not compared: no run of the reference engine on the same case");
         return;
     }
     double limit = rule != NULL                      ? rule->value
-                   : cost == PL_METRIC_TIME_PER_STEP ? in->tolerances->time
-                                                     : in->tolerances->instructions;
+                   : cost == PL_METRIC_TIME_PER_STEP ? verdict->tolerances->time
+                                                     : verdict->tolerances->instructions;
     judge_trend(now, cost, kept, &ratio, limit, verdict);
 }
 
@@ -344,47 +344,48 @@ static judgement judge_absolute(const pl_gate_rule *rule, const pl_metric_summar
     return PASSES;
 }
 
-static judgement judge_relative(const pl_gate_inputs *in, const pl_gate_rule *rule,
+static judgement judge_relative(const pl_gate_verdict *verdict, const pl_gate_rule *rule,
                                 const pl_gate_row *row, double now, pl_gate_entry *entry)
 {
-    const pl_gate_row *before = in->before == NULL ? NULL : pl_gate_rows_find(in->before, row->key);
+    const pl_gate_row *before =
+        verdict->before == NULL ? NULL : pl_gate_rows_find(verdict->before, row->key);
     const json_t *kept = before == NULL ? NULL : json_object_get(before->metrics, rule->metric);
     if (!json_is_number(kept)) {
         return SKIPPED;
     }
     const int id = pl_metric_by_name(rule->metric);
-    const double least = id < 0 ? 0 : in->tolerances->of[id].absolute;
+    const double least = id < 0 ? 0 : verdict->tolerances->of[id].absolute;
     write_numbers(entry, json_number_value(kept), now, unit_of(rule->metric));
     return pl_gate_rule_holds_relative(rule, json_number_value(kept), now, least) ? FAILS : PASSES;
 }
 
 /* Judges a ratio by an absolute rule. */
-static judgement judge_ratio(const pl_gate_inputs *in, const pl_gate_rule *rule,
+static judgement judge_ratio(const pl_gate_verdict *verdict, const pl_gate_rule *rule,
                              const pl_gate_row *row, pl_gate_entry *entry)
 {
-    const pl_result_cell *reference = pl_gate_reference_of(in->now, row, in->reference);
+    const pl_result_cell *reference = pl_gate_reference_of(verdict->now, row, verdict->reference);
     const pl_gate_ratio ratio = pl_gate_ratio_measure(
         row->cell, reference, pl_metric_table[pl_gate_cost_of(rule->metric)].name);
     if (ratio.repeats == 0) {
         return SKIPPED;
     }
     snprintf(entry->after, sizeof entry->after, "%.4g times %.60s's", ratio.value,
-             pl_gate_label_of(in->now, reference));
+             pl_gate_label_of(verdict->now, reference));
     return pl_gate_rule_holds(rule, ratio.value) ? FAILS : PASSES;
 }
 
-static judgement judge_by_rule(const pl_gate_inputs *in, const pl_gate_rule *rule,
+static judgement judge_by_rule(const pl_gate_verdict *verdict, const pl_gate_rule *rule,
                                const pl_gate_row *row, pl_gate_entry *entry)
 {
     const int cost = pl_gate_cost_of(rule->metric);
     if (pl_gate_rule_is_cost(rule)) {
         const pl_gate_row *before =
-            in->before == NULL ? NULL : pl_gate_rows_find(in->before, row->key);
+            verdict->before == NULL ? NULL : pl_gate_rows_find(verdict->before, row->key);
         const char *ratio = pl_metric_table[cost].ratio;
         return before != NULL && json_object_get(before->json, ratio) != NULL ? KNOWN : SKIPPED;
     }
     if (cost >= 0 && strcmp(rule->metric, pl_metric_table[cost].ratio) == 0) {
-        return judge_ratio(in, rule, row, entry);
+        return judge_ratio(verdict, rule, row, entry);
     }
     if (strcmp(rule->metric, "outcome") == 0) {
         return judge_text(rule, row->outcome, row->reason, entry);
@@ -398,7 +399,7 @@ static judgement judge_by_rule(const pl_gate_inputs *in, const pl_gate_rule *rul
                                              : SKIPPED;
     }
     return found.state != PL_METRIC_VALUE ? judge_no_value(row, &found, entry)
-           : rule->is_relative            ? judge_relative(in, rule, row, found.value, entry)
+           : rule->is_relative            ? judge_relative(verdict, rule, row, found.value, entry)
                                           : judge_absolute(rule, &found, entry);
 }
 
@@ -413,14 +414,14 @@ static void add_rule_failure(const pl_gate_rule *rule, const pl_gate_entry *made
 
 /* A rule that judges nothing fails: otherwise a misspelt name, or a run that is missing, would let
  * everything pass. */
-static void judge_rule(const pl_gate_inputs *in, const pl_gate_rule *rule, pl_gate_verdict *verdict)
+static void judge_rule(const pl_gate_rule *rule, pl_gate_verdict *verdict)
 {
     int selected = 0, judged = 0;
-    for (int k = 0; k < in->now->count; ++k) {
-        const pl_gate_row *row = &in->now->items[k];
+    for (int k = 0; k < verdict->now->count; ++k) {
+        const pl_gate_row *row = &verdict->now->items[k];
         if (pl_gate_rule_selects(rule, row)) {
             pl_gate_entry entry = {.row = row};
-            const judgement found = judge_by_rule(in, rule, row, &entry);
+            const judgement found = judge_by_rule(verdict, rule, row, &entry);
             ++selected;
             judged += found != SKIPPED;
             verdict->comparisons += found == PASSES || found == FAILS;
@@ -479,8 +480,7 @@ static void judge_verdict(const pl_gate_row *before, const pl_gate_row *now,
              pl_verdict_name(before->verdict), pl_verdict_name(now->verdict), "no worse verdict");
 }
 
-static void judge_row(const pl_gate_inputs *in, const pl_gate_row *before, const pl_gate_row *now,
-                      pl_gate_verdict *verdict)
+static void judge_row(const pl_gate_row *before, const pl_gate_row *now, pl_gate_verdict *verdict)
 {
     const char *hash = json_string_value(json_object_get(before->json, "scene_hash"));
     const char *new_hash = json_string_value(json_object_get(now->json, "scene_hash"));
@@ -492,27 +492,27 @@ static void judge_row(const pl_gate_inputs *in, const pl_gate_row *before, const
         return;
     }
     judge_verdict(before, now, verdict);
-    judge_metrics(in, before, now, verdict);
+    judge_metrics(before, now, verdict);
     for (int cost = 0; cost < PL_METRIC_COUNT; ++cost) {
-        judge_cost(in, before, now, cost, verdict);
+        judge_cost(before, now, cost, verdict);
     }
 }
 
-static void judge_baseline(const pl_gate_inputs *in, pl_gate_verdict *verdict)
+static void judge_baseline(pl_gate_verdict *verdict)
 {
-    for (int i = 0; i < in->before->count; ++i) {
-        const pl_gate_row *before = &in->before->items[i];
-        const pl_gate_row *now = pl_gate_rows_find(in->now, before->key);
+    for (int i = 0; i < verdict->before->count; ++i) {
+        const pl_gate_row *before = &verdict->before->items[i];
+        const pl_gate_row *now = pl_gate_rows_find(verdict->now, before->key);
         if (now == NULL) {
             describe(add(verdict, true, before, "outcome", "the results have no such run"),
                      before->outcome, "missing", "every run of the baseline");
         } else {
-            judge_row(in, before, now, verdict);
+            judge_row(before, now, verdict);
         }
     }
-    for (int i = 0; i < in->now->count; ++i) {
-        const pl_gate_row *now = &in->now->items[i];
-        if (pl_gate_rows_find(in->before, now->key) == NULL) {
+    for (int i = 0; i < verdict->now->count; ++i) {
+        const pl_gate_row *now = &verdict->now->items[i];
+        if (pl_gate_rows_find(verdict->before, now->key) == NULL) {
             describe(add(verdict, false, now, "outcome",
                          "not in the baseline: --update-baseline takes it in"),
                      "none", now->outcome, "");
@@ -520,14 +520,13 @@ static void judge_baseline(const pl_gate_inputs *in, pl_gate_verdict *verdict)
     }
 }
 
-void pl_gate_judge(const pl_gate_inputs *in, pl_gate_verdict *verdict)
+void pl_gate_judge(pl_gate_verdict *verdict)
 {
-    *verdict = (pl_gate_verdict){.before = in->before, .now = in->now};
-    if (in->before != NULL) {
-        judge_baseline(in, verdict);
+    if (verdict->before != NULL) {
+        judge_baseline(verdict);
     }
-    for (int i = 0; i < in->rule_count; ++i) {
-        judge_rule(in, &in->rules[i], verdict);
+    for (int i = 0; i < verdict->rule_count; ++i) {
+        judge_rule(&verdict->rules[i], verdict);
     }
     sort_entries(verdict);
 }

@@ -1,4 +1,4 @@
-#include "case_scene.h"
+#include "page_data.h"
 
 #include "base/heap.h"
 #include "plumb/vec.h"

@@ -1,5 +1,4 @@
 /* The catalogue as a page: each scenario with its scene, right answer, source and parameters. */
-#include "case_scene.h"
 #include "page.h"
 #include "page_data.h"
 #include "report.h"

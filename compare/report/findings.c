@@ -1,4 +1,4 @@
-#include "findings.h"
+#include "report_document.h"
 
 #include "base/heap.h"
 #include "base/number_format.h"

@@ -18,7 +18,7 @@
  *
  * ODE's two bounded directions and its implicit gyroscopic torque are in its manual. That dantzig
  * takes the bounds from the frictionless normal forces is inferred from the angle of `ladder`. */
-#include "known_causes.h"
+#include "report_document.h"
 
 #include "base/json_text.h"
 #include "plumb/scenario.h"

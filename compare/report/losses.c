@@ -3,10 +3,10 @@
  * Each of its runs is compared with the other engines' runs of the same case whose outcome is ok,
  * metric by metric. The best of them may be a different one for each metric, which is the hardest
  * test. */
-#include "losses.h"
+#include "report_document.h"
 
 #include "base/heap.h"
-#include "base/number_format.h"
+#include "sections.h"
 
 #include <math.h>
 #include <stdio.h>

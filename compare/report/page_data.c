@@ -3,8 +3,8 @@
 #include "base/heap.h"
 #include "base/number_format.h"
 #include "base/program_name.h"
-#include "case_scene.h"
 #include "results/result.h"
+#include "sections.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,4 @@
 /* The numbers that others published, next to those of the engines. */
-#include "queries.h"
 #include "sections.h"
 
 #include <string.h>

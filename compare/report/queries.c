@@ -1,4 +1,4 @@
-#include "queries.h"
+#include "sections.h"
 
 #include "base/heap.h"
 #include "base/text_buffer.h"

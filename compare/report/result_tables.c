@@ -1,6 +1,5 @@
 /* The results of all runs: for a terminal case by case, in short as a matrix. */
 #include "base/heap.h"
-#include "queries.h"
 #include "sections.h"
 
 #include <math.h>

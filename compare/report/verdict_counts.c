@@ -1,6 +1,5 @@
 /* How many runs of each engine are accurate, inaccurate or failed. */
 #include "base/heap.h"
-#include "queries.h"
 #include "sections.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* The scenes of cases, built again for the replay, and what the page gets of them. */
-#include "report/case_scene.h"
+#include "report/page_data.h"
 
 #include "check.h"
 #include "report_rows.h"

@@ -39,15 +39,15 @@ void judge(const workspace *w, trial *t)
     pl_gate_gather(t->new_table, &t->tolerances, &t->now);
     pl_status status = pl_gate_baseline_write(path, &t->made, &error);
     status = status == PL_OK ? pl_gate_baseline_read(path, &t->before, &error) : status;
-    const pl_gate_inputs in = {.before = &t->before,
-                               .now = &t->now,
-                               .tolerances = &t->tolerances,
-                               .rules = t->rules,
-                               .rule_count = t->rule_count};
+    t->verdict = (pl_gate_verdict){.before = &t->before,
+                                   .now = &t->now,
+                                   .tolerances = &t->tolerances,
+                                   .rules = t->rules,
+                                   .rule_count = t->rule_count};
     if (status != PL_OK) {
         fail_msg("%s", error.message);
     }
-    pl_gate_judge(&in, &t->verdict);
+    pl_gate_judge(&t->verdict);
     free(path);
 }
 
