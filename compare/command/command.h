@@ -13,6 +13,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
+struct pl_report_def; /* report/report.h */
+
 /* Exit codes: scripts rely on them. */
 enum {
     PL_EXIT_OK = 0,
@@ -201,6 +203,13 @@ int pl_run_program(const char *const *argv, const char *output);
 /* Opens a file with the program of the environment variable BROWSER, else with xdg-open. PL_IO when
  * neither can be started: the message names the file. */
 pl_status pl_open_page(const char *path, pl_error *error);
+
+/* Writes DIRECTORY/NAME.svg, .png or .pdf, as `format` says, of the scenario that `what` names: "NAME", a case's name
+ * in the report, or "NAME:t=SECONDS". All engines stand side by side, at the end or at that time. *path is the file that
+ * was written, malloc'd. The program is that of the environment variable CHROMIUM, else chromium. PL_BAD_INPUT: there is
+ * no such case, it cannot be drawn, or without `force` the file exists; PL_IO: Chromium is not there or failed. */
+pl_status pl_figure_write(const struct pl_report_def *def, const char *what, const char *format,
+                          bool force, char **path, pl_error *error);
 
 /* The program: finds the command, runs it, and returns the exit code. */
 int pl_program(int argc, char **argv);

@@ -1,7 +1,6 @@
 /* plumb report: the report of existing results, from any number of files. */
 #include "base/folding.h"
 #include "base/heap.h"
-#include "figure.h"
 #include "report/page.h"
 #include "report/report.h"
 #include "results/result.h"
@@ -18,11 +17,9 @@
 typedef struct format {
     const char *name;
     const char *file; /* NULL: a picture */
-    pl_figure_format picture;
 } format;
-static const format formats[] = {{"html", "index.html", 0},    {"md", "summary.md", 0},
-                                 {"csv", "runs.csv", 0},       {"svg", NULL, PL_FIGURE_SVG},
-                                 {"png", NULL, PL_FIGURE_PNG}, {"pdf", NULL, PL_FIGURE_PDF}};
+static const format formats[] = {{"html", "index.html"}, {"md", "summary.md"}, {"csv", "runs.csv"},
+                                 {"svg", NULL},          {"png", NULL},        {"pdf", NULL}};
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
 
 typedef struct options {
@@ -137,8 +134,8 @@ static void write_report(making *m)
     if (o->figure == NULL) {
         pl_call_need(m->call, pl_report_write(&def, m->call->error));
     } else {
-        pl_call_need(m->call, pl_figure_write(&def, o->figure, o->format->picture,
-                                              m->request->force, &picture, m->call->error));
+        pl_call_need(m->call, pl_figure_write(&def, o->figure, o->format->name, m->request->force,
+                                              &picture, m->call->error));
         pl_print_line(stderr, "the picture is in %s", picture);
         free(picture);
     }

@@ -1,9 +1,9 @@
-#include "figure.h"
+/* Pictures of a scenario for papers, drawn by the report's page in Chromium without a window. */
+#include "command.h"
 
 #include "base/file_text.h"
 #include "base/heap.h"
 #include "base/number.h"
-#include "command.h"
 #include "report/report.h"
 #include "results/store.h"
 
@@ -13,8 +13,6 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char *const endings[] = {"svg", "png", "pdf"};
-
 /* The page and what becomes of it. */
 typedef struct drawing {
     char folder[64];     /* of the page, removed afterwards */
@@ -22,6 +20,11 @@ typedef struct drawing {
     pl_text_buffer name; /* of the picture, without its ending */
     char *document;      /* the page as Chromium has drawn it */
 } drawing;
+
+static bool is_svg(const char *format)
+{
+    return strcmp(format, "svg") == 0;
+}
 
 /* Splits "NAME:t=SECONDS", and finds the case. */
 static pl_status find_case(const pl_result_table *results, const char *what, int *index,
@@ -83,7 +86,7 @@ static pl_status run_chromium(const drawing *d, const char *option, const char *
 
 /* Writes the page into a folder of its own, and lets Chromium draw it. */
 static pl_status draw(const pl_report_def *def, drawing *d, int index, double time,
-                      pl_figure_format format, pl_error *error)
+                      const char *format, pl_error *error)
 {
     static const pl_file_kind kind = {.noun = "page", .most_bytes = 512u << 20};
     char output[96];
@@ -98,7 +101,7 @@ static pl_status draw(const pl_report_def *def, drawing *d, int index, double ti
     own.only = "index.html";
     snprintf(output, sizeof output, "%s/drawn", d->folder);
     pl_text_format(&d->url, "file://%s/index.html#figure=%d;format=%s", d->folder, index,
-                   format == PL_FIGURE_SVG ? "svg" : "png");
+                   is_svg(format) ? "svg" : "png");
     if (time >= 0) {
         pl_text_format(&d->url, ";t=%.17g", time);
     }
@@ -124,7 +127,7 @@ static pl_status write_svg(const drawing *d, const char *path, pl_error *error)
 
 /* Draws the page once more, in the size of the picture, as PNG or PDF: into the folder, from which the
  * whole file goes to its path. */
-static pl_status write_print(const drawing *d, pl_figure_format format, const char *path,
+static pl_status write_print(const drawing *d, const char *format, const char *path,
                              pl_error *error)
 {
     int width = 0, height = 0;
@@ -136,8 +139,8 @@ static pl_status write_print(const drawing *d, pl_figure_format format, const ch
         return pl_fail(error, PL_BAD_INPUT, "--figure: nothing could be drawn of this scenario");
     }
     snprintf(window, sizeof window, "%d,%d", width, height);
-    const bool is_png = format == PL_FIGURE_PNG;
-    snprintf(drawn, sizeof drawn, "%s/picture.%s", d->folder, is_png ? "png" : "pdf");
+    const bool is_png = strcmp(format, "png") == 0;
+    snprintf(drawn, sizeof drawn, "%s/picture.%s", d->folder, format);
     snprintf(option, sizeof option, "--%s=%s", is_png ? "screenshot" : "print-to-pdf", drawn);
     pl_status status = run_chromium(d, option, window, error);
     if (status == PL_OK) {
@@ -166,7 +169,7 @@ static void clean(drawing *d)
     pl_text_free(&d->name);
 }
 
-pl_status pl_figure_write(const pl_report_def *def, const char *what, pl_figure_format format,
+pl_status pl_figure_write(const pl_report_def *def, const char *what, const char *format,
                           bool force, char **path, pl_error *error)
 {
     drawing d = {.folder = ""};
@@ -180,15 +183,15 @@ pl_status pl_figure_write(const pl_report_def *def, const char *what, pl_figure_
         pl_text_format(&d.name, "%c", plain ? *c : '-');
     }
     if (status == PL_OK) {
-        *path = pl_heap_format("%s/%s.%s", def->directory, d.name.data, endings[format]);
+        *path = pl_heap_format("%s/%s.%s", def->directory, d.name.data, format);
         status = pl_output_check(*path, force, error);
     }
     if (status == PL_OK) {
         status = draw(def, &d, index, time, format, error);
     }
     if (status == PL_OK) {
-        status = format == PL_FIGURE_SVG ? write_svg(&d, *path, error)
-                                         : write_print(&d, format, *path, error);
+        status =
+            is_svg(format) ? write_svg(&d, *path, error) : write_print(&d, format, *path, error);
     }
     clean(&d);
     return status;

@@ -43,14 +43,6 @@ void pl_findings_find(const pl_result_table *results, pl_all_findings *findings)
     }
 }
 
-void pl_findings_free(pl_all_findings *findings)
-{
-    json_decref(findings->causes);
-    free(findings->home.items);
-    free(findings->others.items);
-    *findings = (pl_all_findings){0};
-}
-
 /* ---- In words ---- */
 
 /* Adds the error: "inaccurate, 74 % (value_error)" or "failed: collapsed, 0.764 m (rest_position_error)". */

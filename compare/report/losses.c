@@ -202,12 +202,6 @@ void pl_losses_find(const pl_result_table *results, pl_losses *losses)
     }
 }
 
-void pl_losses_free(pl_losses *losses)
-{
-    free(losses->items);
-    *losses = (pl_losses){0};
-}
-
 /* ---- In words ---- */
 
 static bool has_others(const pl_result_table *results)

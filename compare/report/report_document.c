@@ -20,8 +20,10 @@ pl_report pl_report_build(const pl_result_table *results)
 
 void pl_report_free(pl_report *report)
 {
-    pl_findings_free(&report->findings);
-    pl_losses_free(&report->losses);
+    json_decref(report->findings.causes);
+    free(report->findings.home.items);
+    free(report->findings.others.items);
+    free(report->losses.items);
 }
 
 /* ---- Sections ---- */

@@ -35,11 +35,8 @@ typedef struct pl_losses {
     int cases;       /* with both a run of it and an ok run of another engine */
 } pl_losses;
 
-/* Finds the losses in results, which must outlive *losses. The caller frees *losses. */
+/* Finds the losses in results, which must outlive *losses. The caller frees its items. */
 void pl_losses_find(const pl_result_table *results, pl_losses *losses);
-
-/* Frees the losses. */
-void pl_losses_free(pl_losses *losses);
 
 /* Adds where the home engine loses: how many losses in how many comparisons, a table of them, in which `shown` rows are
  * shown at first, and unless `is_short` which metrics count, and which differences do not. Nothing without a home
@@ -80,11 +77,8 @@ typedef struct pl_all_findings {
     json_t *causes; /* owned */
 } pl_all_findings;
 
-/* Finds the findings in results, which must outlive *findings. The caller frees *findings. */
+/* Finds the findings in results, which must outlive *findings. The caller frees what they own. */
 void pl_findings_find(const pl_result_table *results, pl_all_findings *findings);
-
-/* Frees the findings. */
-void pl_findings_free(pl_all_findings *findings);
 
 /* Adds how many runs of the home engine (`home`) are not accurate, and a table of them, in which `shown` rows are shown
  * at first (0: all). Of the others as a section, with what is known of their adapters and how causes were found.
