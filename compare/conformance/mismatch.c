@@ -1,4 +1,4 @@
-#include "mismatch.h"
+#include "probe.h"
 
 #include <math.h>
 #include <stdio.h>

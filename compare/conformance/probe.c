@@ -1,7 +1,5 @@
 #include "probe.h"
 
-#include "mismatch.h"
-
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -100,13 +98,10 @@ bool pl_probe_expect_bodies(pl_probe *probe, const pl_contact *contact)
 
 /* ---- Scenes ---- */
 
-/* Fails when the harness itself cannot go on. */
-static bool is_ok(pl_probe *probe, pl_status status, const pl_error *error)
+bool pl_probe_expect_made(pl_probe *probe, pl_status status, const pl_error *error)
 {
-    if (status != PL_OK) {
-        pl_probe_fail(probe, "the check's scene can be made", error->message, "");
-    }
-    return !probe->over;
+    return pl_probe_require(probe, status == PL_OK, "the check's scene can be made", error->message,
+                            "");
 }
 
 pl_scene *pl_probe_scene(pl_probe *probe, double dt)
@@ -135,7 +130,8 @@ int pl_probe_add_material(pl_probe *probe, double friction, double restitution)
     pl_material material = {.friction = friction, .restitution = restitution};
     int index = 0;
     snprintf(material.name, sizeof material.name, "material %d", probe->scene.material_count);
-    is_ok(probe, pl_scene_add_material(&probe->scene, &material, &index, &error), &error);
+    pl_probe_expect_made(probe, pl_scene_add_material(&probe->scene, &material, &index, &error),
+                         &error);
     return index;
 }
 
@@ -151,10 +147,10 @@ int pl_probe_add_body(pl_probe *probe, pl_body body)
     snprintf(body.name, sizeof body.name, "body %d", probe->scene.body_count);
     if (probe->scene.body_count == PL_PROBE_MOST_BODIES) {
         pl_fail(&error, PL_NO_MEMORY, "too many bodies");
-        is_ok(probe, PL_NO_MEMORY, &error);
+        pl_probe_expect_made(probe, PL_NO_MEMORY, &error);
         return 0;
     }
-    is_ok(probe, pl_scene_add_body(&probe->scene, &body, &index, &error), &error);
+    pl_probe_expect_made(probe, pl_scene_add_body(&probe->scene, &body, &index, &error), &error);
     return index;
 }
 
@@ -183,7 +179,8 @@ static void read_frame(pl_probe *probe)
 void pl_probe_create(pl_probe *probe)
 {
     pl_error error = {.message = ""};
-    if (probe->over || !is_ok(probe, pl_scene_validate(&probe->scene, &error), &error)) {
+    if (probe->over ||
+        !pl_probe_expect_made(probe, pl_scene_validate(&probe->scene, &error), &error)) {
         return;
     }
     pl_session_destroy(&probe->session);
