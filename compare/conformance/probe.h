@@ -42,8 +42,8 @@ typedef struct pl_probe {
 
 /* The checks of each file; one without a name ends them. */
 extern const pl_check pl_state_checks[], pl_place_checks[], pl_motion_checks[], pl_mass_checks[],
-    pl_claim_checks[], pl_shape_checks[], pl_material_checks[], pl_contact_checks[],
-    pl_impulse_checks[], pl_conduct_checks[];
+    pl_claim_checks[], pl_material_checks[], pl_contact_checks[], pl_impulse_checks[],
+    pl_conduct_checks[];
 
 /* ---- Scenes ---- */
 
@@ -158,7 +158,7 @@ pl_vec pl_check_rotate(const double orientation[4], pl_vec local);
 /* The inverse of pl_check_rotate. */
 pl_vec pl_check_rotate_back(const double orientation[4], pl_vec world);
 
-/* ---- Mistakes that give a known number (mismatch.c) ---- */
+/* ---- Mistakes that give a known number ---- */
 
 /* What a known mistake would have given. */
 typedef struct pl_guess {
