@@ -1,4 +1,4 @@
-#include "check_bodies.h"
+#include "probe.h"
 
 #include "referee/geometry/solid.h"
 
@@ -42,11 +42,7 @@ pl_body pl_check_turned_body(pl_probe *probe)
 static pl_shape made_shape(pl_probe *probe, pl_status status, const pl_polyhedron *made,
                            const pl_error *error)
 {
-    if (status != PL_OK) {
-        pl_probe_fail(probe, "the check's scene can be made", error->message, "");
-        return pl_shape_sphere(1);
-    }
-    return pl_shape_of(made);
+    return pl_probe_expect_made(probe, status, error) ? pl_shape_of(made) : pl_shape_sphere(1);
 }
 
 static pl_shape hull_of(pl_probe *probe, const double (*points)[3], int count)
@@ -57,14 +53,7 @@ static pl_shape hull_of(pl_probe *probe, const double (*points)[3], int count)
     return made_shape(probe, status, made, &error);
 }
 
-pl_shape pl_check_skew_hull(pl_probe *probe)
-{
-    static const double points[][3] = {
-        {0.1, 0.2, 0.1}, {1.3, 0.1, 0.2}, {0.2, 0.9, 0.3}, {0.3, 0.4, 0.8}, {1.1, 0.8, 0.4}};
-    return hull_of(probe, points, (int)(sizeof points / sizeof *points));
-}
-
-pl_shape pl_check_box_hull(pl_probe *probe)
+static pl_shape box_hull(pl_probe *probe)
 {
     double points[8][3];
     for (int i = 0; i < 8; ++i) {
@@ -109,28 +98,29 @@ static pl_shape table_mesh(pl_probe *probe, double shear)
     return made_shape(probe, status, made, &error);
 }
 
-pl_shape pl_check_table_mesh(pl_probe *probe)
+pl_shape pl_check_standing_solid(pl_probe *probe, pl_shape_kind kind)
 {
-    return table_mesh(probe, 0);
+    return kind == PL_SHAPE_HULL ? box_hull(probe) : table_mesh(probe, 0);
 }
 
-pl_shape pl_check_skew_mesh(pl_probe *probe)
+pl_shape pl_check_skew_solid(pl_probe *probe, pl_shape_kind kind)
 {
-    return table_mesh(probe, 0.7);
+    static const double points[5][3] = {
+        {0.1, 0.2, 0.1}, {1.3, 0.1, 0.2}, {0.2, 0.9, 0.3}, {0.3, 0.4, 0.8}, {1.1, 0.8, 0.4}};
+    return kind == PL_SHAPE_HULL ? hull_of(probe, points, 5) : table_mesh(probe, 0.7);
 }
 
-int pl_check_add_floor(pl_probe *probe)
+void pl_check_add_floor(pl_probe *probe)
 {
+    const pl_body slab = {
+        .is_static = true, .shape = pl_shape_box(10, 10, 5), .position = {0, 0, -5}};
     if (pl_check_claims(probe, PL_NEEDS_PLANE)) {
-        return pl_probe_add_floor(probe);
-    }
-    if (!pl_check_claims(probe, PL_NEEDS_BOX)) {
+        pl_probe_add_floor(probe);
+    } else if (pl_check_claims(probe, PL_NEEDS_BOX)) {
+        pl_probe_add_body(probe, slab);
+    } else {
         pl_probe_skip(probe, "the engine claims no plane and no box to stand on");
-        return -1;
     }
-    return pl_probe_add_body(
-        probe,
-        (pl_body){.is_static = true, .shape = pl_shape_box(10, 10, 5), .position = {0, 0, -5}});
 }
 
 int pl_check_create_floating(pl_probe *probe, double dt, pl_body body)

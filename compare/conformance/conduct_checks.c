@@ -1,5 +1,5 @@
 /* The conduct of an engine as a part of a program: it repeats, and leaves nothing behind. */
-#include "check_bodies.h"
+#include "probe.h"
 
 #include "base/heap.h"
 #include "base/sanitizer.h"
@@ -391,8 +391,8 @@ static void check_refusal(pl_probe *p)
         return;
     }
     pl_probe_scene(p, 1.0 / 100);
-    const pl_shape shape = kind == 0   ? pl_check_table_mesh(p)
-                           : kind == 1 ? pl_check_box_hull(p)
+    const pl_shape shape = kind == 0   ? pl_check_standing_solid(p, PL_SHAPE_MESH)
+                           : kind == 1 ? pl_check_standing_solid(p, PL_SHAPE_HULL)
                            : kind == 2 ? pl_shape_cylinder(0.5, 0.5)
                                        : pl_shape_capsule(0.5, 0.5);
     pl_probe_add_body(p, (pl_body){.shape = shape});

@@ -1,6 +1,5 @@
 /* Mass, inertia and applied forces, by the motion that they cause. */
-#include "check_bodies.h"
-#include "mismatch.h"
+#include "probe.h"
 #include "referee/geometry/solid.h"
 #include "runner/engine_values.h"
 
@@ -14,9 +13,7 @@ static void add_force(pl_probe *p, pl_force force)
 {
     pl_error error = {.message = ""};
     force.until = force.until == 0 ? (double)INFINITY : force.until;
-    if (pl_scene_add_force(&p->scene, &force, &error) != PL_OK) {
-        pl_probe_fail(p, "the check's scene can be made", error.message, "");
-    }
+    pl_probe_expect_made(p, pl_scene_add_force(&p->scene, &force, &error), &error);
 }
 
 /* ---- Mass ---- */
@@ -31,9 +28,7 @@ static void check_mass(pl_probe *p)
     memcpy(body.velocity, (double[]){4, 3, 0}, sizeof body.velocity);
     const int index = pl_probe_add_body(p, body);
     add_force(p, (pl_force){.body = index, .force = {force.x, force.y, force.z}});
-    if (!pl_probe_run(p, 1)) {
-        return;
-    }
+    pl_probe_run(p, 1);
     const double time = pl_check_time(p, index);
     const pl_vec expected = pl_vec_scale(force, time / mass);
     const pl_vec found =
@@ -143,14 +138,11 @@ static void check_polyhedron_inertia(pl_probe *p)
 {
     pl_probe_floating(p, DT);
     pl_body solid = pl_check_turned_body(p);
-    solid.shape =
-        p->check->variant == PL_SHAPE_HULL ? pl_check_skew_hull(p) : pl_check_skew_mesh(p);
+    solid.shape = pl_check_skew_solid(p, (pl_shape_kind)p->check->variant);
     solid.velocity[2] = 1; /* along the axis that the force is perpendicular to */
     const int index = pl_probe_add_body(p, solid);
     add_force(p, (pl_force){.body = index, .force = {0.03, -0.04, 0}, .at = {0.3, 0.2, -0.4}});
-    if (!pl_probe_run(p, 1)) {
-        return;
-    }
+    pl_probe_run(p, 1);
     const pl_body *body = &p->scene.bodies[index];
     const pl_force *force = &p->scene.forces[0];
     const pl_vec impulse = pl_vec_scale(pl_vec_cross(pl_vec_of(force->at), pl_vec_of(force->force)),
@@ -201,9 +193,7 @@ static void check_body_force(pl_probe *p)
     add_force(
         p, (pl_force){
                .body = turned, .force = {0, 0, 0.2}, .at = {0, 0.25, 0}, .frame = PL_FRAME_BODY});
-    if (!pl_probe_run(p, 1)) {
-        return;
-    }
+    pl_probe_run(p, 1);
     expect_along(p, "the direction of the velocity by a force in the body's axes",
                  pl_vec_of(p->now[pushed].velocity), body.orientation,
                  (pl_vec){3 / 13.0, -4 / 13.0, 12 / 13.0},
@@ -227,9 +217,7 @@ static void check_two_forces(pl_probe *p)
     const int index = pl_probe_add_body(p, body);
     add_force(p, (pl_force){.body = index, .force = {3, 0, 0}});
     add_force(p, (pl_force){.body = index, .force = {0, 0, 5}});
-    if (!pl_probe_run(p, 1)) {
-        return;
-    }
+    pl_probe_run(p, 1);
     const double rate = pl_check_time(p, index) / body.mass;
     const pl_vec found = pl_vec_of(p->now[index].velocity);
     const pl_vec sum = {3 * rate, 1, 5 * rate};
@@ -292,9 +280,7 @@ static void check_mass_ratio(pl_probe *p)
     p->scene.materials[0].friction = 0;
     const int light = pl_probe_add_ball(p, 1, (pl_vec){0, 0, 0}, (pl_vec){2, 0, 0});
     const int heavy = pl_probe_add_ball(p, 3, (pl_vec){1.05, 0, 0}, (pl_vec){0, 0, 0});
-    if (!pl_probe_run(p, 20)) {
-        return;
-    }
+    pl_probe_run(p, 20);
     const double gained = p->now[heavy].velocity[0] - p->start[heavy].velocity[0];
     const double lost = p->start[light].velocity[0] - p->now[light].velocity[0];
     pl_probe_require(p, gained > 0.1, "a sphere of 2 m/s moves the sphere that it hits",

@@ -37,9 +37,7 @@ static void begin(pl_probe *p, int kinds, bool has_gravity)
                                    .material_b = GROUND,
                                    .friction = 0.35 * friction,
                                    .restitution = 0.5 * bounce};
-    if (pl_scene_add_pair(scene, &pair, &error) != PL_OK) {
-        pl_probe_fail(p, "the check's scene can be made", error.message, "");
-    }
+    pl_probe_expect_made(p, pl_scene_add_pair(scene, &pair, &error), &error);
 }
 
 /* The static ground whose top is z = 0: a plane or a wide slab. */

@@ -1,12 +1,71 @@
 #include "probe.h"
 
-#include "mismatch.h"
-
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- Mistakes that give a known number ---- */
+
+/* Ratios and guesses are recognised to this relative difference: far below the difference between
+ * two mistakes, and above the errors of an integrator. */
+static const double RECOGNISED = 2e-3;
+
+const char *pl_guess_cause(pl_vec found, const pl_guess *guesses, int count, const char *otherwise)
+{
+    for (int i = 0; i < count; ++i) {
+        const pl_vec value = guesses[i].value;
+        if (pl_vec_length(pl_vec_sub(found, value)) <= RECOGNISED * pl_vec_length(value)) {
+            return guesses[i].cause;
+        }
+    }
+    return otherwise;
+}
+
+static const char *ratio_name(double ratio)
+{
+    static const struct {
+        double ratio;
+        const char *name;
+    } known[] = {
+        {57.295779513, ": degrees in place of radians"},
+        {0.01745329252, ": radians taken for degrees"},
+        {-1, ": the opposite sign"},
+        {2, ": double"},
+        {0.5, ": half"},
+        {-2, ": double, with the opposite sign"},
+        {-0.5, ": half, with the opposite sign"},
+        {100, ": centimetres in place of metres"},
+        {0.01, ": metres taken for centimetres"},
+        {1000, ": a thousand"},
+        {0.001, ": a thousandth"},
+        {9.81, ": multiplied by gravity"},
+        {1 / 9.81, ": divided by gravity"},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
+        if (fabs(ratio - known[i].ratio) <= RECOGNISED * fabs(known[i].ratio)) {
+            return known[i].name;
+        }
+    }
+    return "";
+}
+
+void pl_describe_ratio(pl_vec found, pl_vec expected, char *text, size_t size)
+{
+    const double length = pl_vec_length(expected);
+    text[0] = '\0';
+    if (!(length > 0)) {
+        return;
+    }
+    const double ratio = pl_vec_dot(found, expected) / (length * length);
+    const double off = pl_vec_length(pl_vec_mad(found, -ratio, expected));
+    if (pl_vec_length(found) <= RECOGNISED * length) {
+        snprintf(text, size, ", which is nothing");
+    } else if (off <= RECOGNISED * fabs(ratio) * length) {
+        snprintf(text, size, ", which is %.5g times what was expected%s", ratio, ratio_name(ratio));
+    }
+}
 
 /* ---- Expectations ---- */
 
@@ -100,13 +159,10 @@ bool pl_probe_expect_bodies(pl_probe *probe, const pl_contact *contact)
 
 /* ---- Scenes ---- */
 
-/* Fails when the harness itself cannot go on. */
-static bool is_ok(pl_probe *probe, pl_status status, const pl_error *error)
+bool pl_probe_expect_made(pl_probe *probe, pl_status status, const pl_error *error)
 {
-    if (status != PL_OK) {
-        pl_probe_fail(probe, "the check's scene can be made", error->message, "");
-    }
-    return !probe->over;
+    return pl_probe_require(probe, status == PL_OK, "the check's scene can be made", error->message,
+                            "");
 }
 
 pl_scene *pl_probe_scene(pl_probe *probe, double dt)
@@ -135,7 +191,8 @@ int pl_probe_add_material(pl_probe *probe, double friction, double restitution)
     pl_material material = {.friction = friction, .restitution = restitution};
     int index = 0;
     snprintf(material.name, sizeof material.name, "material %d", probe->scene.material_count);
-    is_ok(probe, pl_scene_add_material(&probe->scene, &material, &index, &error), &error);
+    pl_probe_expect_made(probe, pl_scene_add_material(&probe->scene, &material, &index, &error),
+                         &error);
     return index;
 }
 
@@ -151,10 +208,10 @@ int pl_probe_add_body(pl_probe *probe, pl_body body)
     snprintf(body.name, sizeof body.name, "body %d", probe->scene.body_count);
     if (probe->scene.body_count == PL_PROBE_MOST_BODIES) {
         pl_fail(&error, PL_NO_MEMORY, "too many bodies");
-        is_ok(probe, PL_NO_MEMORY, &error);
+        pl_probe_expect_made(probe, PL_NO_MEMORY, &error);
         return 0;
     }
-    is_ok(probe, pl_scene_add_body(&probe->scene, &body, &index, &error), &error);
+    pl_probe_expect_made(probe, pl_scene_add_body(&probe->scene, &body, &index, &error), &error);
     return index;
 }
 
@@ -183,7 +240,8 @@ static void read_frame(pl_probe *probe)
 void pl_probe_create(pl_probe *probe)
 {
     pl_error error = {.message = ""};
-    if (probe->over || !is_ok(probe, pl_scene_validate(&probe->scene, &error), &error)) {
+    if (probe->over ||
+        !pl_probe_expect_made(probe, pl_scene_validate(&probe->scene, &error), &error)) {
         return;
     }
     pl_session_destroy(&probe->session);

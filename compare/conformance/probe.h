@@ -42,8 +42,8 @@ typedef struct pl_probe {
 
 /* The checks of each file; one without a name ends them. */
 extern const pl_check pl_state_checks[], pl_place_checks[], pl_motion_checks[], pl_mass_checks[],
-    pl_claim_checks[], pl_shape_checks[], pl_material_checks[], pl_contact_checks[],
-    pl_impulse_checks[], pl_conduct_checks[];
+    pl_claim_checks[], pl_material_checks[], pl_contact_checks[], pl_impulse_checks[],
+    pl_conduct_checks[];
 
 /* ---- Scenes ---- */
 
@@ -109,10 +109,69 @@ bool pl_probe_require(pl_probe *probe, bool condition, const char *expected, con
 /* Fails with these texts. */
 void pl_probe_fail(pl_probe *probe, const char *expected, const char *found, const char *cause);
 
+/* Expects that a part of the check's scene could be made: `status` and `error` are of its making. */
+bool pl_probe_expect_made(pl_probe *probe, pl_status status, const pl_error *error);
+
 /* Expects that the bodies of a contact are two of the scene. */
 bool pl_probe_expect_bodies(pl_probe *probe, const pl_contact *contact);
 
 /* Ends the check as skipped, unless it has failed. */
 void pl_probe_skip(pl_probe *probe, const char *why);
+
+/* ---- Bodies, each of shapes that the engine claims (check_bodies.c) ---- */
+
+/* Whether the engine claims all of these PL_NEEDS_*. */
+bool pl_check_claims(const pl_probe *probe, uint32_t needs);
+
+/* A body of 2 kg, about 1 m wide, at rest at the origin: of the first kind that the engine claims
+ * of sphere, box, capsule, cylinder. Skips the check when it claims none of them. */
+pl_body pl_check_any_body(pl_probe *probe);
+
+/* The same, but a box where the engine claims boxes. Its orientation is about no axis of symmetry,
+ * and the three moments of inertia of a box differ; the first is the largest. */
+pl_body pl_check_turned_body(pl_probe *probe);
+
+/* A hull, or a mesh that is not convex, whose centre of mass and principal axes are not those of its
+ * frame. Owned by the scene. */
+pl_shape pl_check_skew_solid(pl_probe *probe, pl_shape_kind kind);
+
+/* The hull of a box whose lowest face is at z = 0.2 of its own frame, or a mesh in the form of a table with
+ * two legs, whose feet are at z = 0. Owned by the scene. */
+pl_shape pl_check_standing_solid(pl_probe *probe, pl_shape_kind kind);
+
+/* Adds a static body whose top is the plane z = 0: a half-space, or a box where the engine claims
+ * no planes. Skips the check when it claims neither. */
+void pl_check_add_floor(pl_probe *probe);
+
+/* Creates a scene of one body without gravity, whose index is returned. */
+int pl_check_create_floating(pl_probe *probe, double dt, pl_body body);
+
+/* The time, s, in which a body has moved since the start of the scene, by its path along its velocity
+ * at the start, to which all forces must be perpendicular. Checks of forces take their time from it,
+ * since the length of the step is the matter of another check. The time that was asked for where that
+ * is more than a factor 10 off. */
+double pl_check_time(const pl_probe *probe, int body);
+
+/* The world's axes of the vector `local`, given in the axes of an orientation. */
+pl_vec pl_check_rotate(const double orientation[4], pl_vec local);
+
+/* The inverse of pl_check_rotate. */
+pl_vec pl_check_rotate_back(const double orientation[4], pl_vec world);
+
+/* ---- Mistakes that give a known number ---- */
+
+/* What a known mistake would have given. */
+typedef struct pl_guess {
+    pl_vec value;
+    const char *cause; /* static */
+} pl_guess;
+
+/* The cause of the first of `count` guesses whose value is `found`, to a thousandth of its length;
+ * `otherwise` where there is none. */
+const char *pl_guess_cause(pl_vec found, const pl_guess *guesses, int count, const char *otherwise);
+
+/* Writes how many times `expected` `found` is, such as ", which is 57.296 times as much: degrees in place
+ * of radians"; an empty text where the components have no common ratio. */
+void pl_describe_ratio(pl_vec found, pl_vec expected, char *text, size_t size);
 
 #endif

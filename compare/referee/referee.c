@@ -9,11 +9,19 @@
 #include <string.h>
 
 static const pl_module *const modules[] = {
-#define MODULE(name) &pl_##name##_module,
-    PL_MODULES(MODULE)
-#undef MODULE
+    &pl_step_stats_module, &pl_mechanics_module, &pl_contact_force_module,
+    &pl_touching_module,   &pl_motion_module,    &pl_unexplained_motion_module,
 };
 enum { MODULE_COUNT = sizeof modules / sizeof(const pl_module *) };
+
+/* A copy of the last step. */
+typedef struct kept_step {
+    bool stood;             /* no state changed in it */
+    pl_contact *contacts;   /* (count of capacity) */
+    pl_contact_time *times; /* (count of time_capacity) */
+    int count, capacity, time_capacity;
+    bool has_times;
+} kept_step;
 
 struct pl_referee {
     pl_arena arena; /* all memory of what stands below */
@@ -24,7 +32,7 @@ struct pl_referee {
     pl_ending ended;  /* what ended the run early, with its reason */
     pl_error reason;
     pl_candidate_pairs *pairs;
-    pl_repeated_steps *repeats;
+    kept_step kept;
     long no_contacts_step; /* first step whose contacts the engine did not report; 0: none */
     bool has_points_alone; /* in some step the engine reported contacts without impulses */
     pl_body_state *last;   /* (body_count): the last valid frame */
@@ -43,7 +51,6 @@ pl_referee *pl_referee_create(const pl_scene *scene, int threads)
     r->threads = threads;
     r->asked = pl_scene_steps(scene);
     r->pairs = pl_candidate_pairs_create(scene, arena);
-    r->repeats = pl_repeated_steps_create(scene, arena);
     view->scene = scene;
     view->scale = pl_scale_of(scene);
     pl_make_series(view, arena);
@@ -127,6 +134,46 @@ pl_ending pl_referee_start(pl_referee *r, const pl_referee_engine *engine, const
     return conclude(r, ending, NULL);
 }
 
+static bool same_contacts(const kept_step *last, const pl_step *step)
+{
+    const size_t count = step->contact_count > 0 ? (size_t)step->contact_count : 0;
+    return step->contact_count == last->count && (step->times != NULL) == last->has_times &&
+           (count == 0 ||
+            memcmp(step->contacts, last->contacts, count * sizeof *last->contacts) == 0) &&
+           (count == 0 || !last->has_times ||
+            memcmp(step->times, last->times, count * sizeof *last->times) == 0);
+}
+
+static void keep(kept_step *last, const pl_step *step, pl_arena *arena)
+{
+    const int count = step->contact_count;
+    last->count = count;
+    last->has_times = step->times != NULL;
+    if (count > 0) {
+        pl_arena_reserve(arena, &last->contacts, &last->capacity, count, sizeof *last->contacts);
+        memcpy(last->contacts, step->contacts, (size_t)count * sizeof *last->contacts);
+    }
+    if (count > 0 && last->has_times) {
+        pl_arena_reserve(arena, &last->times, &last->time_capacity, count, sizeof *last->times);
+        memcpy(last->times, step->times, (size_t)count * sizeof *last->times);
+    }
+}
+
+/* Whether the states, contacts and times of a step are, bit for bit, those of the step before it. */
+static bool repeats_last(pl_referee *r, const pl_step *step)
+{
+    const size_t size = (size_t)r->view.scene->body_count * sizeof *step->after;
+    const bool stood = r->kept.stood;
+    r->kept.stood = memcmp(step->before, step->after, size) == 0;
+    if (stood && r->kept.stood && same_contacts(&r->kept, step)) {
+        return true;
+    }
+    if (r->kept.stood) {
+        keep(&r->kept, step, &r->arena);
+    }
+    return false;
+}
+
 /* Makes r->view of a step, which starts at r->last. */
 static void take_step(pl_referee *r, const pl_step *seen)
 {
@@ -134,7 +181,7 @@ static void take_step(pl_referee *r, const pl_step *seen)
     *step = *seen;
     step->number = r->done;
     step->before = r->last;
-    step->repeats = pl_repeated_steps_see(r->repeats, step);
+    step->repeats = repeats_last(r, step);
     if (step->contact_count < 0 && r->no_contacts_step == 0) {
         r->no_contacts_step = r->done;
     }
@@ -263,7 +310,7 @@ pl_ending pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metrics
     withdraw_after_early_end(r, item);
     pl_chaotic_metrics(r->view.scene, item);
     if (!ended_early(r)) {
-        pl_expectations_judge(r->view.scene, r->view.values, r->last, item, &metrics->deviations);
+        pl_expectations_judge(r->view.scene, r->view.values, r->last, metrics);
     }
     item[PL_METRIC_REFERENCE_ERROR] = reference_metric(r, item);
     return final_ending(r, note, error);

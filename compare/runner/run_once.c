@@ -393,7 +393,7 @@ static void judge_bits(run *r, pl_run_result *result)
     const pl_status status = pl_second_run(&r->session, r->def->scene, &r->hashes,
                                            r->def->cpu_limit, &r->frame, &difference, &fault);
     if (status == PL_OK) {
-        pl_expectations_judge_bits(&difference, result->metrics.item, &result->metrics.deviations);
+        pl_expectations_judge_bits(&difference, &result->metrics);
     } else {
         set_failure(result, status, &fault);
     }

@@ -1,6 +1,6 @@
 /* A wrong number of a conformance check tells the mistake that it comes from. */
 #include "check.h"
-#include "conformance/mismatch.h"
+#include "conformance/probe.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,4 @@
 /* The referee's broad phase and candidate pairs against all pairs by their gaps. */
-#include "referee/geometry/box_sweep.h"
 #include "referee/geometry/candidate_pairs.h"
 #include "referee/geometry/gap.h"
 

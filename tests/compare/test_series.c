@@ -1,5 +1,5 @@
 /* Streaming statistics against the sorted numbers. */
-#include "referee/metrics/series.h"
+#include "referee/metrics/modules.h"
 
 #include "base/statistics.h"
 #include "check.h"

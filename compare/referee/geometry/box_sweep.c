@@ -9,7 +9,7 @@
  * divided into square columns, about twice as wide as a body, and a box is compared only with those
  * that share a column with it. Columns repeat with a period, so that a finite table has one for
  * each place. A box in many columns is compared with all that follow. */
-#include "box_sweep.h"
+#include "candidate_pairs.h"
 
 #include "solid.h"
 

@@ -11,7 +11,6 @@
 #include "candidate_pairs.h"
 
 #include "base/parallel.h"
-#include "box_sweep.h"
 #include "gap.h"
 #include "solid.h"
 
@@ -68,6 +67,7 @@ enum {
 
 /* The pairs of some rows of the broad phase. */
 typedef struct pair_piece {
+    const pl_candidate_pairs *of;
     long begin, end;     /* rows */
     pl_near_pair *pairs; /* (capacity) */
     int count;           /* of all pairs, also of those for which there is no room */
@@ -112,6 +112,7 @@ pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *a
     const long rows = pl_broad_phase_rows(p->broad_phase);
     for (int i = 0; i < PIECES; ++i) {
         pair_piece *piece = &p->pieces[i];
+        piece->of = p;
         piece->begin = rows * i / PIECES;
         piece->end = rows * (i + 1) / PIECES;
         pl_arena_reserve(arena, &piece->pairs, &piece->capacity,
@@ -170,29 +171,22 @@ static bool meet(const pl_candidate_pairs *p, int a, int b, pl_near_pair *pair)
     return !(pair->status == PL_OK && pair->gap > within);
 }
 
-/* A piece at work. */
-typedef struct piece_work {
-    const pl_candidate_pairs *pairs;
-    pair_piece *piece;
-} piece_work;
-
 static void keep_pair(void *context, int a, int b)
 {
-    const piece_work *w = context;
+    pair_piece *piece = context;
     pl_near_pair pair;
-    if (meet(w->pairs, a, b, &pair)) {
-        if (w->piece->count < w->piece->capacity) {
-            w->piece->pairs[w->piece->count] = pair;
+    if (meet(piece->of, a, b, &pair)) {
+        if (piece->count < piece->capacity) {
+            piece->pairs[piece->count] = pair;
         }
-        w->piece->count += 1;
+        piece->count += 1;
     }
 }
 
-static void fill_piece(const pl_candidate_pairs *p, pair_piece *piece)
+static void fill_piece(pair_piece *piece)
 {
-    piece_work w = {p, piece};
     piece->count = 0;
-    (void)pl_broad_phase_see(p->broad_phase, piece->begin, piece->end, keep_pair, &w);
+    (void)pl_broad_phase_see(piece->of->broad_phase, piece->begin, piece->end, keep_pair, piece);
 }
 
 /* Item 0 is the caller's work. */
@@ -200,7 +194,7 @@ static void do_item(void *context, int item)
 {
     pl_candidate_pairs *p = context;
     if (item > 0) {
-        fill_piece(p, &p->pieces[item - 1]);
+        fill_piece(&p->pieces[item - 1]);
     } else if (p->meanwhile != NULL) {
         p->meanwhile(p->context);
     }
@@ -249,7 +243,7 @@ void pl_candidate_pairs_find(pl_candidate_pairs *p, const pl_body_state *bodies,
         if (piece->count > piece->capacity) {
             pl_arena_reserve(p->arena, &piece->pairs, &piece->capacity, piece->count,
                              sizeof *piece->pairs);
-            fill_piece(p, piece);
+            fill_piece(piece);
         }
     }
 }

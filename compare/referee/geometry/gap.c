@@ -13,7 +13,6 @@
  * (negative) numbers is minus the exact depth; if they are apart, it is a lower bound of the
  * distance. Source: Gottschalk, Lin and Manocha 1996, sec. 5; Ericson 2005, sec. 4.4 and 5.1.4. */
 #include "gap.h"
-#include "segment.h"
 #include "solid.h"
 
 /* Half width of a box along a unit vector given in the box's own axes. */

@@ -23,7 +23,6 @@
  * first. Source: van den Bergen 2003, ch. 4. */
 #include "base/heap.h"
 #include "gap.h"
-#include "segment.h"
 #include "solid.h"
 
 #include <ccd/ccd.h>

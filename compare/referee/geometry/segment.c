@@ -1,4 +1,4 @@
-#include "segment.h"
+#include "surface.h"
 
 #include <stddef.h>
 

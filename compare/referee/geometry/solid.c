@@ -54,6 +54,13 @@ pl_axes pl_principal_axes(const pl_shape *shape, const double orientation[4])
     return axes;
 }
 
+double pl_kinetic_energy(const pl_body *body, const double velocity[3], pl_vec spin)
+{
+    const pl_vec v = pl_vec_of(velocity);
+    return 0.5 * (body->mass * pl_vec_dot(v, v) + body->inertia[0] * spin.x * spin.x +
+                  body->inertia[1] * spin.y * spin.y + body->inertia[2] * spin.z * spin.z);
+}
+
 double pl_core_radius(const pl_shape *shape)
 {
     return shape->kind == PL_SHAPE_SPHERE || shape->kind == PL_SHAPE_CAPSULE ? shape->radius : 0;

@@ -19,6 +19,9 @@ pl_vec pl_state_centre(const pl_body *body, const pl_body_state *state);
 /* The principal axes of inertia of a shape with this orientation, in the world frame. */
 pl_axes pl_principal_axes(const pl_shape *shape, const double orientation[4]);
 
+/* The kinetic energy of a body, J. `spin` is its angular velocity along the principal axes, rad/s. */
+double pl_kinetic_energy(const pl_body *body, const double velocity[3], pl_vec spin);
+
 /* A bounded shape is its core, enlarged by this radius on all sides, m. The core of a sphere is its
  * centre, that of a capsule the segment between the centres of its ends. Other shapes are their own
  * cores and have the radius 0. */

@@ -17,11 +17,9 @@ const char *pl_curve_name(pl_curve curve)
 
 static double kinetic_energy(const pl_body *body, const pl_body_state *state)
 {
-    const pl_vec v = pl_vec_of(state->velocity);
     const pl_axes axes = pl_principal_axes(&body->shape, state->orientation);
-    const pl_vec w = pl_to_local(&axes, pl_vec_of(state->angular_velocity));
-    return 0.5 * (body->mass * pl_vec_dot(v, v) + body->inertia[0] * w.x * w.x +
-                  body->inertia[1] * w.y * w.y + body->inertia[2] * w.z * w.z);
+    const pl_vec spin = pl_to_local(&axes, pl_vec_of(state->angular_velocity));
+    return pl_kinetic_energy(body, state->velocity, spin);
 }
 
 /* The potential energy in gravity, from that of the start on. */

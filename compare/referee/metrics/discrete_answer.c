@@ -14,7 +14,7 @@
  * A second-order rule has the same velocities at the ends of its sub-steps, and moves by their
  * means: x_k - k (v_N - v_0) / 2; with one sub-step this is so for any motion whose v_N is known.
  */
-#include "integrator.h"
+#include "mechanics.h"
 
 #include "plumb/vec.h"
 

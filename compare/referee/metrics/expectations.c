@@ -1,5 +1,26 @@
+/* statistics_error: how far a run ended outside of what converged engines agree on.
+ *
+ * chaotic_error: the largest violation of what all right motions have in common, each part relative
+ * to what can be seen:
+ *
+ *   penetration_p99    the overlap that 99 % of the touching pairs do not exceed, over L
+ *   penetration_max    the deepest overlap, over 10 L: it may be seen for one frame only
+ *   free_flight_error  of a body that meets no other
+ *   energy_gain        over the energy of the scene
+ *   momentum_error     over the momentum of the scene
+ *   statistics_error   where the end statistics are known
+ *
+ * L is the least dimension of the smallest dynamic body: an overlap of L / 2 is a body half inside
+ * another, and at L it has passed through. A bounding radius would hide that of thin bodies.
+ *
+ * The error is never below 1e-3. An overlap of a thousandth of a body is not visible, and below it
+ * the error would measure constants that an engine's author chose, such as its slop.
+ *
+ * The residual of the contact law, natural_map, is no part: it needs impulses, so that engines
+ * which report none would be spared. */
 #include "expectations.h"
 
+#include "plumb/jitter.h"
 #include "plumb/vec.h"
 #include "referee/geometry/solid.h"
 
@@ -7,6 +28,82 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* The distance of a number from an interval. */
+static double outside(double found, double low, double high)
+{
+    return fmax(fmax(low - found, found - high), 0);
+}
+
+/* ---- Chaotic motion ---- */
+
+static const double RESOLUTION = 1e-3;
+static const double WORST_FRAME = 10; /* how much deeper a single overlap may be */
+
+static const pl_metric_id statistics[PL_STATISTIC_COUNT] = {
+    [PL_STATISTIC_MASS_HEIGHT] = PL_METRIC_MASS_HEIGHT,
+    [PL_STATISTIC_RUN_OUT_P95] = PL_METRIC_RUN_OUT_P95,
+    [PL_STATISTIC_SPREAD_X] = PL_METRIC_SPREAD_X,
+    [PL_STATISTIC_SPREAD_Y] = PL_METRIC_SPREAD_Y,
+    [PL_STATISTIC_ENERGY_LOST] = PL_METRIC_ENERGY_LOST};
+
+/* Raises `largest` to `value`, of the part called `name` (NULL: it has no parts). */
+static void raise_to(pl_metric *largest, const char *name, double value)
+{
+    if (largest->state != PL_METRIC_VALUE || value > largest->value) {
+        *largest = pl_metric_value(value);
+        largest->part = name;
+    }
+}
+
+static pl_metric statistics_error(const pl_scene *scene, const pl_metric *item)
+{
+    pl_metric largest = {.state = PL_METRIC_ABSENT};
+    for (int i = 0; i < scene->statistic_count; ++i) {
+        const pl_expect_statistic *expected = &scene->statistics[i];
+        const pl_metric_id id = statistics[expected->metric];
+        if (item[id].state == PL_METRIC_FAILED) {
+            return item[id];
+        }
+        if (item[id].state != PL_METRIC_VALUE) {
+            return pl_metric_failed("the run has no %s", pl_metric_table[id].name);
+        }
+        const double off = outside(item[id].value, expected->low, expected->high);
+        raise_to(&largest, pl_metric_table[id].name, off / expected->scale);
+    }
+    return largest;
+}
+
+static pl_metric chaotic_error(double size, const pl_metric *item)
+{
+    static const pl_metric_id plain[] = {PL_METRIC_FREE_FLIGHT_ERROR, PL_METRIC_ENERGY_GAIN,
+                                         PL_METRIC_MOMENTUM_ERROR, PL_METRIC_STATISTICS_ERROR};
+    pl_metric largest = pl_metric_failed("no metric that it consists of has a value");
+    const pl_metric *penetration = &item[PL_METRIC_PENETRATION_MAX];
+    if (penetration->state == PL_METRIC_VALUE) {
+        raise_to(&largest, "penetration_p99", penetration->p99 / size);
+        raise_to(&largest, "penetration_max", penetration->value / (WORST_FRAME * size));
+    }
+    for (size_t i = 0; i < sizeof plain / sizeof *plain; ++i) {
+        if (item[plain[i]].state == PL_METRIC_VALUE) {
+            raise_to(&largest, pl_metric_table[plain[i]].name, item[plain[i]].value);
+        }
+    }
+    if (largest.state == PL_METRIC_VALUE) {
+        raise_to(&largest, "resolution", RESOLUTION);
+    }
+    return largest;
+}
+
+void pl_chaotic_metrics(const pl_scene *scene, pl_metric *item)
+{
+    item[PL_METRIC_STATISTICS_ERROR] = statistics_error(scene, item);
+    if (strcmp(scene->primary_error, pl_metric_table[PL_METRIC_CHAOTIC_ERROR].name) == 0) {
+        item[PL_METRIC_CHAOTIC_ERROR] = chaotic_error(pl_scene_least_size(scene), item);
+    }
+}
+
+/* ---- Verdicts ---- */
 
 /* A number that was found, and the interval, with a tolerance on both sides, in which it is right. */
 typedef struct judged {
@@ -33,12 +130,6 @@ static const struct {
                                    [PL_QUANTITY_ENERGY] = {"energy", " J"}};
 
 /* ---- Texts ---- */
-
-/* The distance of a number from an interval. */
-static double outside(double found, double low, double high)
-{
-    return fmax(fmax(low - found, found - high), 0);
-}
 
 /* Writes the number with so many digits, and returns it as a reader sees it. */
 static double print_number(char text[32], int digits, double number)
@@ -86,11 +177,6 @@ static void describe(const judged *j, char *text, size_t size)
 /* In tolerances: the least by which an apex or a period that a run lacks is off. Any number above 1 does. */
 static const double LACKING = 2;
 
-typedef struct judging {
-    pl_metric *metric;
-    pl_deviations *deviations;
-} judging;
-
 /* Puts a deviation at its place among the worst ones. The room for its text; NULL: it is none of them. */
 static char *place_of(pl_deviations *d, double ratio)
 {
@@ -110,14 +196,7 @@ static char *place_of(pl_deviations *d, double ratio)
     return d->text[at];
 }
 
-static void see_ratio(pl_metric *metric, double ratio)
-{
-    if (metric->state != PL_METRIC_VALUE || ratio > metric->value) {
-        *metric = pl_metric_value(ratio);
-    }
-}
-
-static void judge(const judging *to, const judged *j)
+static void judge(pl_metrics *to, const judged *j)
 {
     if (!isfinite(j->tolerance) || isnan(j->found)) {
         return;
@@ -125,10 +204,10 @@ static void judge(const judging *to, const judged *j)
     const double outside_by = outside(j->found, j->low, j->high);
     const double off = j->lacks ? fmax(outside_by, LACKING * j->tolerance) : outside_by;
     const double ratio = off / j->tolerance;
-    see_ratio(to->metric, ratio);
-    char *text = off > j->tolerance ? place_of(to->deviations, ratio) : NULL;
+    raise_to(&to->item[PL_METRIC_EXPECTATION_ERROR], NULL, ratio);
+    char *text = off > j->tolerance ? place_of(&to->deviations, ratio) : NULL;
     if (text != NULL) {
-        describe(j, text, sizeof to->deviations->text[0]);
+        describe(j, text, sizeof to->deviations.text[0]);
     }
 }
 
@@ -138,7 +217,7 @@ static double tolerance_of(const pl_scene *scene, double stated, double units)
     return stated > 0 ? stated : scene->acceptance * units;
 }
 
-static void judge_rests(const pl_scene *scene, const pl_body_state *last, const judging *to)
+static void judge_rests(const pl_scene *scene, const pl_body_state *last, pl_metrics *to)
 {
     for (int i = 0; i < scene->rest_count; ++i) {
         const pl_expect_rest *rest = &scene->rests[i];
@@ -157,7 +236,7 @@ static void judge_rests(const pl_scene *scene, const pl_body_state *last, const 
     }
 }
 
-static void judge_travels(const pl_scene *scene, const pl_body_state *last, const judging *to)
+static void judge_travels(const pl_scene *scene, const pl_body_state *last, pl_metrics *to)
 {
     for (int i = 0; i < scene->travel_count; ++i) {
         const pl_expect_travel *travel = &scene->travels[i];
@@ -173,8 +252,7 @@ static void judge_travels(const pl_scene *scene, const pl_body_state *last, cons
 }
 
 /* Of several right answers the nearest one counts. */
-static void judge_values(const pl_values *values, const pl_scene *scene, int answer,
-                         const judging *to)
+static void judge_values(const pl_values *values, const pl_scene *scene, pl_metrics *to)
 {
     for (int i = 0; i < scene->value_count; ++i) {
         const pl_expect_value *value = &scene->values[i];
@@ -189,21 +267,21 @@ static void judge_values(const pl_values *values, const pl_scene *scene, int ans
             .high = value->bound == PL_BOUND_AT_LEAST ? HUGE_VAL : value->value,
             .tolerance = tolerance_of(scene, value->tolerance, value->scale),
         };
-        if (value->answer == 0 || (int)value->answer == answer) {
+        if (value->answer == 0 || (int)value->answer == to->item[PL_METRIC_VALUE_ERROR].answer) {
             judge(to, &j);
         }
     }
 }
 
-static void judge_statistics(const pl_scene *scene, const pl_metric *item, const judging *to)
+static void judge_statistics(const pl_scene *scene, pl_metrics *to)
 {
     for (int i = 0; i < scene->statistic_count; ++i) {
         const pl_expect_statistic *statistic = &scene->statistics[i];
-        const pl_metric_id id = pl_statistic_metric(statistic->metric);
+        const pl_metric_id id = statistics[statistic->metric];
         const judged j = {
             .name = pl_metric_table[id].name,
             .unit = statistic->metric == PL_STATISTIC_ENERGY_LOST ? " J" : " m",
-            .found = item[id].state == PL_METRIC_VALUE ? item[id].value : (double)NAN,
+            .found = to->item[id].state == PL_METRIC_VALUE ? to->item[id].value : (double)NAN,
             .low = statistic->low,
             .high = statistic->high,
             .tolerance = tolerance_of(scene, statistic->tolerance, statistic->scale),
@@ -213,27 +291,24 @@ static void judge_statistics(const pl_scene *scene, const pl_metric *item, const
 }
 
 void pl_expectations_judge(const pl_scene *scene, const pl_values *values,
-                           const pl_body_state *last, pl_metric *item, pl_deviations *deviations)
+                           const pl_body_state *last, pl_metrics *metrics)
 {
-    const judging to = {&item[PL_METRIC_EXPECTATION_ERROR], deviations};
-    *deviations = (pl_deviations){0};
-    judge_rests(scene, last, &to);
-    judge_travels(scene, last, &to);
-    judge_values(values, scene, item[PL_METRIC_VALUE_ERROR].answer, &to);
-    judge_statistics(scene, item, &to);
+    judge_rests(scene, last, metrics);
+    judge_travels(scene, last, metrics);
+    judge_values(values, scene, metrics);
+    judge_statistics(scene, metrics);
 }
 
 /* One step is off, and none is not: the tolerance is a half. */
 static const double STEPS_OFF = 0.5;
 
-void pl_expectations_judge_bits(const pl_difference *difference, pl_metric *item,
-                                pl_deviations *deviations)
+void pl_expectations_judge_bits(const pl_difference *difference, pl_metrics *metrics)
 {
     const double ratio = (double)difference->steps / STEPS_OFF;
-    see_ratio(&item[PL_METRIC_EXPECTATION_ERROR], ratio);
-    char *text = difference->steps > 0 ? place_of(deviations, ratio) : NULL;
+    raise_to(&metrics->item[PL_METRIC_EXPECTATION_ERROR], NULL, ratio);
+    char *text = difference->steps > 0 ? place_of(&metrics->deviations, ratio) : NULL;
     if (text != NULL) {
-        snprintf(text, sizeof deviations->text[0],
+        snprintf(text, sizeof metrics->deviations.text[0],
                  "bits: a second run differs in %ld step%s, from step %ld on, expected none",
                  difference->steps, difference->steps == 1 ? "" : "s", difference->first);
     }

@@ -11,9 +11,7 @@
 #ifndef PLUMB_EXPECTATIONS_H
 #define PLUMB_EXPECTATIONS_H
 
-#include "base/arena.h"
-#include "integrator.h"
-#include "metrics.h"
+#include "mechanics.h"
 #include "referee/geometry/candidate_pairs.h"
 
 /* ---- Errors (reference_error.c) ---- */
@@ -51,22 +49,19 @@ double pl_off_travel(const pl_scene *scene, const pl_body_state *bodies,
  * body is expected to rest. */
 int pl_farthest_from_rest(const pl_scene *scene, const pl_body_state *bodies, double *distance);
 
-/* ---- Chaotic motion (chaotic.c) ---- */
+/* ---- Chaotic motion ---- */
 
 /* Sets statistics_error in item (PL_METRIC_COUNT), which has the run's other metrics, if the scene
  * expects statistics, and chaotic_error if that is the scene's primary error. A metric without any
  * part that has a value is PL_METRIC_FAILED. */
 void pl_chaotic_metrics(const pl_scene *scene, pl_metric *item);
 
-/* The metric that a statistic reads. */
-pl_metric_id pl_statistic_metric(pl_statistic statistic);
+/* ---- The verdict ---- */
 
-/* ---- The verdict (expectations.c) ---- */
-
-/* Judges the last state, (body_count), and what the frames have shown. `item` (PL_METRIC_COUNT) has the
- * other metrics, and gets expectation_error. A period that the run was too short to show is left out. */
+/* Judges the last state, (body_count), and what the frames have shown. `metrics` has the others, no
+ * deviations, and gets expectation_error. A period that the run was too short to show is left out. */
 void pl_expectations_judge(const pl_scene *scene, const pl_values *values,
-                           const pl_body_state *last, pl_metric *item, pl_deviations *deviations);
+                           const pl_body_state *last, pl_metrics *metrics);
 
 /* How a second run differs from the first. */
 typedef struct pl_difference {
@@ -75,8 +70,7 @@ typedef struct pl_difference {
 } pl_difference;
 
 /* Judges the bits of the states of a second run, as one more expectation; after pl_expectations_judge. */
-void pl_expectations_judge_bits(const pl_difference *difference, pl_metric *item,
-                                pl_deviations *deviations);
+void pl_expectations_judge_bits(const pl_difference *difference, pl_metrics *metrics);
 
 /* ---- Whether what should rest still stands (standing.c) ---- */
 

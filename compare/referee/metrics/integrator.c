@@ -9,7 +9,7 @@
  * and the step fits exactly one of them, to a thousandth of h |v' - v| and to the rounding of the
  * precision that the engine declares. A step in which the engine pushes a body out of another fits
  * neither, and without gravity an impulse before the flight fits both. */
-#include "integrator.h"
+#include "mechanics.h"
 
 #include "plumb/vec.h"
 #include "referee/geometry/solid.h"

@@ -5,8 +5,111 @@
 
 #include "expectations.h"
 #include "mechanics.h"
-#include "series.h"
-#include "touching.h"
+
+#include <math.h>
+#include <stdint.h>
+
+/* ---- Series (series.c) ---- */
+
+/* Streaming statistics of a number that is seen once a step or more often: mean, largest value, the
+ * step of the largest value, and percentiles.
+ *
+ * Percentiles are by nearest rank, from a histogram with 128 bins an octave over 2^-80 .. 2^48, one
+ * bin below and one above. A percentile is the mean of the numbers in its bin. Its error is below
+ * 1/128 = 0.8 %, and zero where all numbers in the bin are equal, as small whole numbers are. */
+
+/* A bin of the histogram: how many numbers fell into it, and their sum. */
+typedef struct pl_bin {
+    uint64_t count;
+    double sum;
+} pl_bin;
+
+/* A histogram of the values of one metric over the steps, with their sums and maximum. */
+typedef struct pl_series {
+    pl_bin *bins; /* (PL_SERIES_BINS), of the arena */
+    uint64_t count;
+    double sum, square_sum, max;
+    long worst_step; /* the first step at which max was seen; 0 before any */
+    bool applies;    /* its metric has a value, 0, even if none was seen */
+} pl_series;
+
+enum { PL_SERIES_BINS = 128 * 128 + 2 }; /* 128 octaves, and the two outer bins */
+
+/* Makes an empty series, with its bins from the arena. */
+void pl_series_init(pl_series *series, pl_arena *arena);
+
+/* Adds `value` >= 0, which may be infinite, seen at `step`. A NaN means "not reported" and is not
+ * added. */
+void pl_series_add(pl_series *series, double value, long step);
+
+/* `value`, or infinity for a NaN that the referee itself computed: a series would take it for "not
+ * reported". */
+static inline double pl_or_infinity(double value)
+{
+    return isnan(value) ? HUGE_VAL : value;
+}
+
+/* The smallest number that at least the fraction `q` of all numbers do not exceed; 0 of an empty
+ * series. */
+double pl_series_percentile(const pl_series *series, double q);
+
+/* The metric of a series with these traits: the maximum, mean or root of the mean square, 0 of an empty
+ * series, with percentiles and worst step. PL_METRIC_FAILED when it is not finite. */
+pl_metric pl_series_metric(const pl_series *series, unsigned traits);
+
+/* ---- Bodies that touch (touching.c) ---- */
+
+/* Metrics of the pairs of bodies that touch: how deep they penetrate each other, and the islands
+ * that they form.
+ *
+ * An island of a step consists of bodies that touch, directly or through others, in the frame
+ * before or in the frame after the step. Energy that passes from body to body in a step stays
+ * within one island. Static bodies join nothing, because no energy passes through them. */
+
+/* What a body touched in the frames before and after the last step. */
+typedef struct pl_touched {
+    bool met, met_before;       /* another body (pl_near_pair); neither: it flew through the step */
+    double depth, depth_before; /* sum of its overlaps, m */
+} pl_touched;
+
+/* The state of these metrics over a run. */
+typedef struct pl_touching {
+    const pl_scene *scene;
+    pl_series *depths;  /* of each touching pair (gap <= 0) after each step, m */
+    pl_touched *bodies; /* (body_count) */
+    double deepest;     /* overlap of the last frame, m */
+    bool met_static;    /* a dynamic body met a static one, whose impulses are then possible */
+
+    long step;       /* of the current frame */
+    long rest_from;  /* first step of the last second */
+    double rest_sum; /* of the deepest of each frame */
+    long rest_count;
+    int unknown_a, unknown_b; /* the first pair whose gap could not be computed */
+    long unknown_step;        /* -1: none */
+    int *now, *both; /* (body_count): parents; a root is its own parent and the least of its set */
+    double *sum;     /* (body_count): by root */
+} pl_touching;
+
+/* `scene` and `depths` must outlive it. Memory of the arena. */
+pl_touching *pl_touching_create(const pl_scene *scene, pl_series *depths, pl_arena *arena);
+
+/* Begins the frame after step number `step`. Step 0 (the start) has no penetration. */
+void pl_touching_begin(pl_touching *touching, long step);
+
+/* Takes one pair of the frame. `touching` is a pl_touching. */
+void pl_touching_see(void *touching, const pl_near_pair *pair);
+
+/* Ends the frame, after all of its pairs. */
+void pl_touching_end(pl_touching *touching);
+
+/* The largest sum of `growth`, (body_count), over an island of the last step; the entries of static
+ * bodies are not read. 0 in a scene without dynamic bodies. A NaN counts as infinite. */
+double pl_touching_island_max(pl_touching *touching, const double *growth);
+
+/* The island of the last step that a dynamic body is in, by the least index of its bodies. */
+int pl_touching_island(pl_touching *touching, int body);
+
+/* ---- Modules ---- */
 
 /* The data of a run that modules use. Pointers are borrowed until the call returns. */
 typedef struct pl_run_view {
@@ -52,30 +155,9 @@ typedef struct pl_module {
     bool sees_start;      /* it also sees the start */
 } pl_module;
 
-/* The modules, one a line: pl_NAME_module is in NAME.c. */
-#define PL_MODULES(MODULE)                                                                         \
-    MODULE(step_stats)                                                                             \
-    MODULE(mechanics)                                                                              \
-    MODULE(contact_force)                                                                          \
-    MODULE(touching)                                                                               \
-    MODULE(motion)                                                                                 \
-    MODULE(unexplained_motion)
-
-#define PL_DECLARE_MODULE(name) extern const pl_module pl_##name##_module;
-PL_MODULES(PL_DECLARE_MODULE)
-#undef PL_DECLARE_MODULE
-
-/* ---- Whether a step repeats the last one ---- */
-
-/* A copy of the last step. */
-typedef struct pl_repeated_steps pl_repeated_steps;
-
-/* `scene` and `arena` must outlive it. Memory of the arena. */
-pl_repeated_steps *pl_repeated_steps_create(const pl_scene *scene, pl_arena *arena);
-
-/* Takes a step, whose contacts may be unreported. Returns whether its states, contacts and times are, bit
- * for bit, those of the step taken before it: the referee need not measure such a step again. */
-bool pl_repeated_steps_see(pl_repeated_steps *repeats, const pl_step *step);
+/* pl_NAME_module is in NAME.c. */
+extern const pl_module pl_step_stats_module, pl_mechanics_module, pl_contact_force_module,
+    pl_touching_module, pl_motion_module, pl_unexplained_motion_module;
 
 /* ---- The velocities that contacts leave (contact_motion.c) ---- */
 

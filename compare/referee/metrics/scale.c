@@ -36,15 +36,6 @@ static double span(const pl_scene *scene, pl_vec along)
     return high > low ? high - low : 0;
 }
 
-/* `spin` is the angular velocity in the principal axes, rad/s. Result in J. */
-static double kinetic_energy(const pl_body *body, pl_vec spin)
-{
-    pl_vec v = pl_vec_of(body->velocity);
-    return (body->mass * pl_vec_dot(v, v) + body->inertia[0] * spin.x * spin.x +
-            body->inertia[1] * spin.y * spin.y + body->inertia[2] * spin.z * spin.z) /
-           2;
-}
-
 /* An upper bound of the speed that the scene's forces give to any point, m/s. The sum of their
  * impulses goes into *total, N s. */
 static double force_speed(const pl_scene *scene, double *total)
@@ -86,7 +77,7 @@ pl_scale pl_scale_of(const pl_scene *scene)
         pl_vec turning = {body->inertia[0] * spin.x, body->inertia[1] * spin.y,
                           body->inertia[2] * spin.z};
         scale.dynamic_count += 1;
-        scale.energy += kinetic_energy(body, spin);
+        scale.energy += pl_kinetic_energy(body, body->velocity, spin);
         scale.momentum += body->mass * v + pl_vec_length(turning) / r;
         mass += body->mass;
         fastest = fmax(fastest, v + r * pl_vec_length(spin));
