@@ -2,7 +2,7 @@
 #include "check_bodies.h"
 #include "mismatch.h"
 #include "referee/geometry/solid.h"
-#include "runner/engine_values.h"
+#include "runner/session.h"
 
 #include <math.h>
 #include <string.h>
