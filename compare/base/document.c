@@ -17,25 +17,11 @@ static void add_block(pl_document *document, pl_block block)
     pl_push(&document->blocks, &document->count, &block, sizeof block);
 }
 
-__attribute__((format(printf, 3, 0))) static void
-add_text(pl_document *document, pl_block_kind kind, const char *format, va_list arguments)
+void pl_document_add(pl_document *document, pl_block_kind kind, const char *format, ...)
 {
+    va_list arguments;
+    va_start(arguments, format);
     add_block(document, (pl_block){.kind = kind, .text = pl_heap_format_list(format, arguments)});
-}
-
-void pl_document_heading(pl_document *document, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    add_text(document, PL_BLOCK_HEADING, format, arguments);
-    va_end(arguments);
-}
-
-void pl_document_paragraph(pl_document *document, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    add_text(document, PL_BLOCK_PARAGRAPH, format, arguments);
     va_end(arguments);
 }
 
@@ -44,14 +30,6 @@ void pl_document_words(pl_document *document, pl_text_buffer *words)
     if (words->length > 0) {
         add_block(document, (pl_block){.kind = PL_BLOCK_PARAGRAPH, .text = pl_text_take(words)});
     }
-}
-
-void pl_document_item(pl_document *document, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    add_text(document, PL_BLOCK_ITEM, format, arguments);
-    va_end(arguments);
 }
 
 void pl_document_table(pl_document *document, const char *caption, pl_table *table)

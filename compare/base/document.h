@@ -44,20 +44,17 @@ typedef struct pl_document {
 /* Frees the parts. */
 void pl_document_free(pl_document *document);
 
-/* Adds a heading below the title, formatted as printf does. It begins a section. */
-__attribute__((format(printf, 2, 3))) void pl_document_heading(pl_document *document,
-                                                               const char *format, ...);
-
-/* Adds a paragraph, formatted as printf does. */
-__attribute__((format(printf, 2, 3))) void pl_document_paragraph(pl_document *document,
-                                                                 const char *format, ...);
+/* Adds a heading below the title, which begins a section, a paragraph or an item of a list: `kind`. Its text is
+ * formatted as printf does. */
+__attribute__((format(printf, 3, 4))) void
+pl_document_add(pl_document *document, pl_block_kind kind, const char *format, ...);
+#define pl_document_heading(document, ...) pl_document_add(document, PL_BLOCK_HEADING, __VA_ARGS__)
+#define pl_document_paragraph(document, ...)                                                       \
+    pl_document_add(document, PL_BLOCK_PARAGRAPH, __VA_ARGS__)
+#define pl_document_item(document, ...) pl_document_add(document, PL_BLOCK_ITEM, __VA_ARGS__)
 
 /* Adds words as a paragraph, whose text the document takes: `words` is empty then. Nothing where there are none. */
 void pl_document_words(pl_document *document, pl_text_buffer *words);
-
-/* Adds an item of a list, formatted as printf does. */
-__attribute__((format(printf, 2, 3))) void pl_document_item(pl_document *document,
-                                                            const char *format, ...);
 
 /* Adds a table, whose contents the document takes: `table` is empty then. One without rows is left out. Of its rows
  * `table->last` are shown at first (0: all), and the others are folded up, or counted on a terminal. A row that is one

@@ -17,6 +17,16 @@ typedef struct scale {
 static const scale time_scales[] = {{1, "s"}, {1e-3, "ms"}, {1e-6, "µs"}, {1e-9, "ns"}};
 static const scale byte_scales[] = {{1e9, "GB"}, {1e6, "MB"}, {1e3, "kB"}, {1, "B"}};
 
+/* Writes a number as a power of ten with so many places: "1.20e-7". */
+static void power_of_ten(double value, int places, char text[32])
+{
+    snprintf(text, 32, "%.*e", places, value);
+    char *e = strchr(text, 'e');
+    if (e != NULL) { /* "e-07" */
+        snprintf(e + 1, 8, "%d", (int)strtol(e + 1, NULL, 10));
+    }
+}
+
 /* Writes three significant digits; numbers of four or five digits stay whole, which reads better
  * than a power. */
 static void digits(double value, char text[32])
@@ -25,11 +35,7 @@ static void digits(double value, char text[32])
     if (size == 0) {
         snprintf(text, 32, "0");
     } else if (size < 0.9995e-3 || size >= 99999.5) {
-        char power[32]; /* "1.20e-07" */
-        snprintf(power, sizeof power, "%.2e", value);
-        char *e = strchr(power, 'e');
-        *e = '\0';
-        snprintf(text, 32, "%.20se%d", power, (int)strtol(e + 1, NULL, 10));
+        power_of_ten(value, 2, text);
     } else {
         int places = 2 - (int)floor(log10(size * 1.0005));
         snprintf(text, 32, "%.*f", places > 0 ? places : 0, value);
@@ -114,11 +120,7 @@ void pl_format_ratio(double ratio, char text[PL_QUANTITY_SIZE])
 
 void pl_format_power(double value, char text[PL_QUANTITY_SIZE])
 {
-    char power[32]; /* "1e-03" */
-    snprintf(power, sizeof power, "%.0e", value);
-    char *e = strchr(power, 'e');
-    int exponent = e == NULL ? 0 : (int)strtol(e + 1, NULL, 10);
-    snprintf(text, PL_QUANTITY_SIZE, "%.*se%d", e == NULL ? 8 : (int)(e - power), power, exponent);
+    power_of_ten(value, 0, text);
 }
 
 void pl_format_step(double dt, char text[PL_QUANTITY_SIZE])

@@ -4,7 +4,7 @@
 #include "base/table.h"
 #include "conformance/conformance.h"
 #include "request.h"
-#include "results/conformance_record.h"
+#include "results/result.h"
 #include "results/store.h"
 
 #include <stdlib.h>

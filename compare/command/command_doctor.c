@@ -7,7 +7,7 @@
 #include "base/table.h"
 #include "engines/registry.h"
 #include "request.h"
-#include "results/conformance_record.h"
+#include "results/result.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* plumb list scenarios|engines|metrics|suites. Each kind is built as one JSON array, which is
  * printed as it is or as text. */
 #include "base/folding.h"
-#include "base/json_get.h"
+#include "base/json_field.h"
 #include "plumb/scenario.h"
 #include "report/report.h"
 #include "request.h"

@@ -1,7 +1,7 @@
 /* plumb run SCENARIO --engine SPEC: one run, one result. */
 #include "base/folding.h"
 #include "base/heap.h"
-#include "base/json_get.h"
+#include "base/json_field.h"
 #include "base/table.h"
 #include "capture_file.h"
 #include "request.h"

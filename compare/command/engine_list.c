@@ -4,7 +4,6 @@
 
 #include "adapters/process/hello.h"
 #include "base/json_field.h"
-#include "base/json_get.h"
 #include "base/program_name.h"
 #include "engines/registry.h"
 #include "report/page_data.h"

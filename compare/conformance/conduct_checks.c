@@ -140,8 +140,7 @@ static void load_again(pl_probe *p)
     const pl_engine_info *info = p->choice->engine;
     pl_session_destroy(&p->session);
     pl_unload_engine(&p->session.loaded);
-    const pl_engine_origin origin = pl_engine_origin_of(info);
-    if (pl_load_engine(&origin, &p->session.loaded, &error) != PL_OK) {
+    if (pl_load_engine(info, &p->session.loaded, &error) != PL_OK) {
         pl_probe_fail(p, "the engine loads a second time", error.message, "");
     }
 }

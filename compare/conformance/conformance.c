@@ -97,7 +97,7 @@ pl_status pl_conformance_run(const pl_check *check, const pl_engine_choice *choi
     if (status != PL_OK) {
         return status;
     }
-    json_t *object = json_loadb(process.text, process.text_length, 0, NULL);
+    json_t *object = json_loadb(process.text.data, process.text.length, 0, NULL);
     if (json_is_object(object)) {
         result->outcome = (pl_check_outcome)json_integer_value(json_object_get(object, "outcome"));
         copy_text(object, "expected", result->expected);

@@ -1,7 +1,7 @@
 /* Mass, inertia and applied forces, by the motion that they cause. */
 #include "probe.h"
 #include "referee/geometry/solid.h"
-#include "runner/engine_values.h"
+#include "runner/session.h"
 
 #include <math.h>
 #include <string.h>

@@ -89,13 +89,9 @@ static pl_status describe(const pl_engine_info *info, json_t **description, pl_e
     pl_loaded_engine loaded;
     const int mapped = pl_mapped_file_count();
     enter("while it was loaded", "");
-    const char *libraries =
-        info->built_in == NULL || info->path != NULL ? NULL : info->built_in->libraries;
-    const pl_engine_origin origin = pl_engine_origin_of(info);
-    pl_status status = pl_load_engine(&origin, &loaded, error);
+    pl_status status = pl_load_engine(info, &loaded, error);
     if (status == PL_OK) {
-        status = loaded.is_program ? pl_program_hash(hash, error)
-                                   : pl_binary_hash(mapped, libraries, hash, error);
+        status = pl_binary_hash(info, mapped, hash, error);
     }
     if (status == PL_OK && info->path != NULL) {
         status = pl_binary_stamp(mapped, stamp, error);
@@ -140,7 +136,6 @@ static void describe_and_answer(void *user, FILE *answer)
 typedef struct known_info {
     pl_engine_info info;
     pl_hello hello; /* holds the texts */
-    double *defaults;
     struct known_info *next;
 } known_info;
 
@@ -154,10 +149,10 @@ static bool read_description(known_info *known, const json_t *answer)
         strlen(table->name) >= PL_NAME_SIZE) {
         return false;
     }
-    known->defaults = pl_heap_new((size_t)table->profile_count * (size_t)table->option_count + 1,
-                                  sizeof *known->defaults);
+    double *defaults =
+        pl_heap_new((size_t)table->profile_count * (size_t)table->option_count, sizeof *defaults);
     for (int i = 0; i < table->profile_count; ++i) {
-        double *values = known->defaults + i * table->option_count;
+        double *values = defaults + i * table->option_count;
         for (int k = 0; k < table->option_count; ++k) {
             values[k] = table->options[k].value;
         }
@@ -180,7 +175,7 @@ static bool read_description(known_info *known, const json_t *answer)
     info->option_count = table->option_count;
     info->sources = table->sources;
     info->source_count = table->source_count;
-    info->defaults = known->defaults;
+    info->defaults = defaults;
     info->reads_settings = known->hello.reads_settings;
     info->reads_pairs = known->hello.reads_pairs;
     info->gives_contact_problems = json_is_true(json_object_get(answer, "gives_contact_problems"));
@@ -239,10 +234,10 @@ static void note_fault(known_info *known, const pl_process *process, const char 
 /* The last line of the answer, which is JSON; NULL: the process did not come to its end. */
 static json_t *read_answer(const pl_process *process)
 {
-    const size_t length = process->text_length;
-    const char *line = length > 0 ? memrchr(process->text, '\n', length) : NULL;
+    const size_t length = process->text.length;
+    const char *line = length > 0 ? memrchr(process->text.data, '\n', length) : NULL;
     const bool is_complete = line != NULL && strcmp(place, COMPLETE) == 0;
-    return is_complete ? json_loadb(line, (size_t)(process->text + length - line),
+    return is_complete ? json_loadb(line, (size_t)(process->text.data + length - line),
                                     JSON_REJECT_DUPLICATES, NULL)
                        : NULL;
 }
@@ -277,13 +272,6 @@ static bool is_same(const char *a, const char *b)
     return a == NULL || b == NULL ? a == b : strcmp(a, b) == 0;
 }
 
-pl_engine_origin pl_engine_origin_of(const pl_engine_info *info)
-{
-    return (pl_engine_origin){.path = info->path,
-                              .command = info->command,
-                              .entry = info->built_in == NULL ? NULL : info->built_in->entry};
-}
-
 pl_status pl_engine_describe(const char *path, const char *command, const pl_built_in *built_in,
                              const pl_engine_info **info, pl_error *error)
 {
@@ -311,7 +299,6 @@ pl_status pl_engine_describe(const char *path, const char *command, const pl_bui
         free((char *)found->command);
         free((char *)found->path);
         free((char *)found->spec);
-        free(known->defaults);
         free(known);
         return status;
     }

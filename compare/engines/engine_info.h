@@ -56,9 +56,6 @@ void pl_engine_describe_within(const pl_limits *limits);
 pl_status pl_engine_describe(const char *path, const char *command, const pl_built_in *built_in,
                              const pl_engine_info **info, pl_error *error);
 
-/* What pl_load_engine loads. */
-pl_engine_origin pl_engine_origin_of(const pl_engine_info *info);
-
 /* Size of a SPEC, with its terminating zero. */
 enum { PL_SPEC_SIZE = 1024 };
 

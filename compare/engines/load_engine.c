@@ -3,6 +3,7 @@
 #include "adapters/process/adapter_process.h"
 #include "base/hash.h"
 #include "base/sanitizer.h"
+#include "engine_info.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -265,15 +266,15 @@ static pl_status load_library(const char *path, pl_loaded_engine *loaded, pl_err
                : take_table(path, symbol.function(), &loaded->table, error);
 }
 
-pl_status pl_load_engine(const pl_engine_origin *origin, pl_loaded_engine *loaded, pl_error *error)
+pl_status pl_load_engine(const pl_engine_info *info, pl_loaded_engine *loaded, pl_error *error)
 {
     *loaded = (pl_loaded_engine){.library = NULL};
     const pl_float_environment environment = pl_float_environment_save();
     const pl_status status =
-        origin->path != NULL ? load_library(origin->path, loaded, error)
-        : origin->command != NULL
-            ? load_program(origin->command, loaded, error)
-            : take_table("built-in engine", origin->entry(), &loaded->table, error);
+        info->path != NULL ? load_library(info->path, loaded, error)
+        : info->command != NULL
+            ? load_program(info->command, loaded, error)
+            : take_table("built-in engine", info->built_in->entry(), &loaded->table, error);
     loaded->changed_modes = pl_float_environment_restore(&environment);
     if (status != PL_OK) {
         pl_unload_engine(loaded);
@@ -393,13 +394,7 @@ static pl_status hash_mapped(hashing *h, char hash[17], pl_error *error)
     return PL_OK;
 }
 
-pl_status pl_binary_hash(int first, const char *libraries, char hash[17], pl_error *error)
-{
-    hashing h = {.first = first, .libraries = libraries, .add = add_contents};
-    return hash_mapped(&h, hash, error);
-}
-
-pl_status pl_program_hash(char hash[17], pl_error *error)
+static pl_status hash_program(char hash[17], pl_error *error)
 {
     uint64_t value = PL_HASH_START;
     const char *path;
@@ -411,6 +406,17 @@ pl_status pl_program_hash(char hash[17], pl_error *error)
     }
     pl_hash_hex(value, hash);
     return PL_OK;
+}
+
+pl_status pl_binary_hash(const pl_engine_info *info, int first, char hash[17], pl_error *error)
+{
+    hashing h = {.first = first,
+                 .libraries = info->path == NULL && info->built_in != NULL
+                                  ? info->built_in->libraries
+                                  : NULL,
+                 .add = add_contents};
+    return info->path == NULL && info->command != NULL ? hash_program(hash, error)
+                                                       : hash_mapped(&h, hash, error);
 }
 
 pl_status pl_binary_stamp(int first, char stamp[17], pl_error *error)

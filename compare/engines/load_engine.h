@@ -8,12 +8,7 @@
 
 #include <fenv.h>
 
-/* Where an engine comes from: one of these is not NULL. */
-typedef struct pl_engine_origin {
-    const char *path;      /* of a shared object */
-    const char *command;   /* of a program that speaks plumb.engine/1 */
-    pl_engine_entry entry; /* of an engine that is linked to this program */
-} pl_engine_origin;
+struct pl_engine_info;
 
 /* A loaded engine. */
 typedef struct pl_loaded_engine {
@@ -23,12 +18,13 @@ typedef struct pl_loaded_engine {
     unsigned changed_modes; /* PL_MODE_*: the floating-point modes that loading left changed */
 } pl_loaded_engine;
 
-/* Loads the shared object, or starts the program. This and pl_unload_engine restore the
- * floating-point environment.
+/* Loads the shared object at the engine's path, starts the program of its command, or takes the built-in engine: the
+ * first that it has. This and pl_unload_engine restore the floating-point environment.
  * PL_BAD_INPUT: it cannot be loaded, exports no engine, has another ABI version, or its table is
  * not valid; the message names the field. PL_FAILED: the program ended, or does not speak the
  * protocol. */
-pl_status pl_load_engine(const pl_engine_origin *origin, pl_loaded_engine *loaded, pl_error *error);
+pl_status pl_load_engine(const struct pl_engine_info *info, pl_loaded_engine *loaded,
+                         pl_error *error);
 
 /* Unloads the shared object or ends the program, if there is one. */
 void pl_unload_engine(pl_loaded_engine *loaded);
@@ -36,15 +32,13 @@ void pl_unload_engine(pl_loaded_engine *loaded);
 /* The number of files whose code this process has mapped: the program and its shared libraries. */
 int pl_mapped_file_count(void);
 
-/* Hashes the contents of the files that were mapped when pl_mapped_file_count had reached `first`
- * or later. Where `libraries` is not NULL, hashes this program and the mapped files whose base
- * names begin with one of `libraries`, separated by blanks. PL_IO. */
-pl_status pl_binary_hash(int first, const char *libraries, char hash[17], pl_error *error);
+/* Hashes the contents of the code of a loaded engine: the files of a program (pl_process_engine_file), this program
+ * and the `libraries` of a built-in engine, or of a shared object the files that were mapped when pl_mapped_file_count
+ * had reached `first` or later. PL_IO. */
+pl_status pl_binary_hash(const struct pl_engine_info *info, int first, char hash[17],
+                         pl_error *error);
 
-/* Hashes the contents of the files of the program that is loaded (pl_process_engine_file). PL_IO. */
-pl_status pl_program_hash(char hash[17], pl_error *error);
-
-/* Hashes what identifies these files without reading them: their inodes, sizes and times of
+/* Hashes what identifies the files of a shared object without reading them: their inodes, sizes and times of
  * change. The same stamp means the same contents. PL_IO. */
 pl_status pl_binary_stamp(int first, char stamp[17], pl_error *error);
 

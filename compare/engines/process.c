@@ -152,8 +152,6 @@ pl_status pl_process_start(pl_process *process, const pl_limits *limits,
     int answer[2] = {-1, -1};
     pl_status status = PL_OK;
     *process = (pl_process){.supervisor = -1, .handle = -1, .output = -1, .answer = -1};
-    process->text_capacity = CHUNK;
-    process->text = pl_heap_new(1, CHUNK);
     process->report = pl_shared_new(sizeof *process->report);
     if (pipe2(output, O_CLOEXEC) != 0 || pipe2(answer, O_CLOEXEC) != 0) {
         status = pl_fail(error, PL_IO, "cannot make a pipe for a run: %s", strerror(errno));
@@ -217,39 +215,33 @@ static void keep_tail(pl_process *process, const char *bytes, size_t length)
 }
 
 /* Hands the whole lines at the head of the answer on, except for JSON. */
-static void stream_lines(pl_process *process)
+static void stream_lines(pl_text_buffer *text, FILE *stream)
 {
     size_t done = 0;
-    while (done < process->text_length && process->text[done] != '{') {
-        const char *line = process->text + done;
-        const char *newline = memchr(line, '\n', process->text_length - done);
+    while (done < text->length && text->data[done] != '{') {
+        const char *line = text->data + done;
+        const char *newline = memchr(line, '\n', text->length - done);
         if (newline == NULL) {
             break;
         }
-        fwrite(line, 1, (size_t)(newline - line) + 1, process->stream);
+        fwrite(line, 1, (size_t)(newline - line) + 1, stream);
         done += (size_t)(newline - line) + 1;
     }
-    process->text_length -= done;
-    memmove(process->text, process->text + done, process->text_length);
+    text->length -= done;
+    memmove(text->data, text->data + done, text->length);
 }
 
 static void keep_answer(pl_process *process, const char *bytes, size_t length)
 {
-    size_t needed = process->text_length + length;
-    if (needed > MAX_ANSWER) {
+    if (process->text.length + length > MAX_ANSWER) {
         return;
     }
-    if (needed > process->text_capacity) {
-        process->text_capacity = 2 * needed;
-        process->text = realloc(process->text, process->text_capacity);
-        if (process->text == NULL) {
-            pl_out_of_memory();
-        }
+    pl_text_add_bytes(&process->text, bytes, length);
+    if (process->text.failed) {
+        pl_out_of_memory();
     }
-    memcpy(process->text + process->text_length, bytes, length);
-    process->text_length = needed;
     if (process->stream != NULL) {
-        stream_lines(process);
+        stream_lines(&process->text, process->stream);
     }
 }
 
@@ -267,11 +259,6 @@ static void take(pl_process *process, int *descriptor,
     } else if (length == 0 || (errno != EAGAIN && errno != EINTR)) {
         close_end(descriptor);
     }
-}
-
-pid_t pl_process_job(const pl_process *process)
-{
-    return atomic_load(&process->report->job);
 }
 
 void pl_process_end(const pl_process *process)
@@ -342,8 +329,7 @@ void pl_process_free(pl_process *process)
     close_end(&process->handle);
     close_end(&process->output);
     close_end(&process->answer);
-    free(process->text);
-    process->text = NULL;
+    pl_text_free(&process->text);
     if (process->report != NULL) {
         munmap(process->report, sizeof *process->report);
         process->report = NULL;

@@ -12,6 +12,7 @@
 #ifndef PLUMB_PROCESS_H
 #define PLUMB_PROCESS_H
 
+#include "base/text_buffer.h"
 #include "plumb/base.h"
 
 #include <poll.h>
@@ -51,8 +52,7 @@ typedef struct pl_process {
     int wait_status;           /* of the job, as waitpid gives it, once ended */
     char tail[PL_OUTPUT_TAIL]; /* the end of what it printed */
     size_t tail_length;
-    char *text; /* the answer so far */
-    size_t text_length, text_capacity;
+    pl_text_buffer text; /* the answer so far */
     /* Gets whole lines of the answer as they come, except for those from the first that begins with
      * '{' on, which alone are kept in `text`. NULL, as pl_process_start sets it: all are kept. */
     FILE *stream;
@@ -84,9 +84,6 @@ bool pl_process_advance(pl_process *process, const struct pollfd *polls);
 /* Waits until the job has ended, when pl_process_free is due. PL_IO: it could not be waited for;
  * it was killed and freed. */
 pl_status pl_process_wait(pl_process *process, pl_error *error);
-
-/* The job's process; 0: it has not started yet. */
-pid_t pl_process_job(const pl_process *process);
 
 /* Has the job and its offspring killed. Does not wait: pl_process_advance says when they have ended. */
 void pl_process_end(const pl_process *process);

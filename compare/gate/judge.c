@@ -3,7 +3,7 @@
 #include "gate.h"
 
 #include "base/heap.h"
-#include "base/json_get.h"
+#include "base/json_field.h"
 
 #include <math.h>
 #include <stdio.h>

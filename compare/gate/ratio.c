@@ -8,7 +8,7 @@
 #include "gate.h"
 
 #include "base/heap.h"
-#include "base/json_get.h"
+#include "base/json_field.h"
 #include "base/statistics.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 
 #include "base/folding.h"
 #include "base/heap.h"
-#include "base/json_get.h"
+#include "base/json_field.h"
 #include "base/json_text.h"
 #include "results/store.h"
 

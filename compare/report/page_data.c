@@ -225,13 +225,14 @@ static json_t *final_json(const json_t *result)
  * percentiles, or why there is no value. */
 static json_t *metric_json(const pl_metric_summary *summary)
 {
-    char text[PL_METRIC_TEXT_SIZE], note[PL_METRIC_NOTE_SIZE];
+    char text[PL_METRIC_TEXT_SIZE], *note = pl_metric_note(summary);
     pl_metric_text(summary, text);
-    pl_metric_note(summary, note);
     json_t *value = summary->state == PL_METRIC_VALUE  ? pl_json_number_or_null(summary->value)
                     : summary->state == PL_METRIC_TEXT ? text_or_null(summary->text)
                                                        : json_null();
-    return json_pack("[o, o, o]", value, text_or_null(text), text_or_null(note));
+    json_t *whole = json_pack("[o, o, o]", value, text_or_null(text), text_or_null(note));
+    free(note);
+    return whole;
 }
 
 static json_t *cell_json(const pl_result_case *test_case, const pl_result_cell *cell)

@@ -109,23 +109,20 @@ pl_metric_summary pl_metric_summarise(const pl_result_row *rows, int count, cons
 
 void pl_metric_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_SIZE])
 {
-    char number[PL_QUANTITY_SIZE] = "";
     if (summary->state == PL_METRIC_VALUE) {
-        pl_format_number(summary->value, summary->unit, number);
+        pl_format_number(summary->value, summary->unit, text);
+    } else {
+        snprintf(text, PL_METRIC_TEXT_SIZE, "%s",
+                 summary->state == PL_METRIC_TEXT ? summary->text : pl_no_number);
     }
-    snprintf(text, PL_METRIC_TEXT_SIZE, "%s",
-             summary->state == PL_METRIC_VALUE  ? number
-             : summary->state == PL_METRIC_TEXT ? summary->text
-                                                : pl_no_number);
 }
 
 void pl_metric_spread_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_SIZE])
 {
-    pl_metric_text(summary, text);
     if (summary->state == PL_METRIC_VALUE && summary->max > summary->min) {
-        char number[PL_QUANTITY_SIZE];
-        pl_format_spread(summary->value, summary->mad, summary->unit, number);
-        snprintf(text, PL_METRIC_TEXT_SIZE, "%s", number);
+        pl_format_spread(summary->value, summary->mad, summary->unit, text);
+    } else {
+        pl_metric_text(summary, text);
     }
 }
 
@@ -141,33 +138,30 @@ static const char *reason_of(const pl_metric_summary *summary)
     return summary->reason[0] != '\0' ? summary->reason : "no value and no reason given";
 }
 
-void pl_metric_note(const pl_metric_summary *summary, char text[PL_METRIC_NOTE_SIZE])
+char *pl_metric_note(const pl_metric_summary *summary)
 {
-    enum { PART_SIZE = 4 * PL_QUANTITY_SIZE };
-    char spread[PART_SIZE] = "", steps[PART_SIZE] = "", worst[PL_QUANTITY_SIZE] = "";
-    char answer[PART_SIZE] = "";
+    const bool has_value = summary->state == PL_METRIC_VALUE;
     char a[PL_QUANTITY_SIZE], b[PL_QUANTITY_SIZE], c[PL_QUANTITY_SIZE];
-    bool has_value = summary->state == PL_METRIC_VALUE;
+    pl_text_buffer note = {0};
+    pl_text_add(&note, reason_of(summary));
+    pl_text_add(&note, summary->disagrees ? "not deterministic: repeats differ. " : "");
+    if (has_value && summary->answer > 0) {
+        pl_text_format(&note, "nearest right answer: %d. ", summary->answer);
+    }
     if (has_value && summary->count > 1) {
         pl_format_number(summary->min, summary->unit, a);
         pl_format_number(summary->max, summary->unit, b);
         pl_format_number(summary->mad, summary->unit, c);
-        snprintf(spread, sizeof spread, "median of %d repeats, %s to %s, MAD %s. ", summary->count,
-                 a, b, c);
+        pl_text_format(&note, "median of %d repeats, %s to %s, MAD %s. ", summary->count, a, b, c);
     }
     if (has_value && summary->has_percentiles) {
         pl_format_number(summary->p50, summary->unit, a);
         pl_format_number(summary->p95, summary->unit, b);
         pl_format_number(summary->p99, summary->unit, c);
-        snprintf(steps, sizeof steps, "over steps: p50 %s, p95 %s, p99 %s", a, b, c);
-        if (isfinite(summary->worst_step)) {
-            snprintf(worst, sizeof worst, ", worst at step %.0f", summary->worst_step);
-        }
+        pl_text_format(&note, "over steps: p50 %s, p95 %s, p99 %s", a, b, c);
     }
-    if (has_value && summary->answer > 0) {
-        snprintf(answer, sizeof answer, "nearest right answer: %d. ", summary->answer);
+    if (has_value && summary->has_percentiles && isfinite(summary->worst_step)) {
+        pl_text_format(&note, ", worst at step %.0f", summary->worst_step);
     }
-    snprintf(text, PL_METRIC_NOTE_SIZE, "%s%s%s%s%s%s", reason_of(summary),
-             summary->disagrees ? "not deterministic: repeats differ. " : "", answer, spread, steps,
-             worst);
+    return pl_text_take(&note);
 }

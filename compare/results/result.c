@@ -109,28 +109,18 @@ void pl_timestamp(char text[32])
     snprintf(text, 32, "%s.%03dZ", seconds, milliseconds);
 }
 
-static const char *direction_name(pl_direction direction)
-{
-    switch (direction) {
-    case PL_LOWER_IS_BETTER:
-        return "lower";
-    case PL_HIGHER_IS_BETTER:
-        return "higher";
-    case PL_NO_DIRECTION:
-        break;
-    }
-    return "none";
-}
-
 static json_t *metric_json(const pl_metric *metric, const pl_metric_info *info)
 {
+    static const char *const directions[] = {[PL_LOWER_IS_BETTER] = "lower",
+                                             [PL_HIGHER_IS_BETTER] = "higher",
+                                             [PL_NO_DIRECTION] = "none"};
     const char *unit = metric->unit != NULL ? metric->unit : info->unit;
     bool has_value = metric->state == PL_METRIC_VALUE && isfinite(metric->value);
     json_t *value = has_value                         ? json_real(metric->value)
                     : metric->state == PL_METRIC_TEXT ? pl_json_text(metric->text)
                                                       : json_null();
     json_t *object = json_pack("{s:o, s:s, s:s, s:b}", "value", value, "unit", unit, "direction",
-                               direction_name(info->direction), "deterministic",
+                               directions[info->direction], "deterministic",
                                (info->traits & PL_TRAIT_MEASURED) == 0);
     if (!has_value && metric->state != PL_METRIC_TEXT) {
         const char *reason = metric->reason[0] != '\0' ? metric->reason : "the value is not finite";
@@ -162,35 +152,6 @@ static json_t *metrics_json(const pl_metrics *metrics)
         }
     }
     return object;
-}
-
-void pl_pose_of(const pl_body_state *body, double pose[PL_POSE_NUMBERS])
-{
-    memcpy(pose, body->position, sizeof body->position);
-    memcpy(pose + 3, body->orientation, sizeof body->orientation);
-}
-
-json_t *pl_pose_to_json(const double pose[PL_POSE_NUMBERS])
-{
-    json_t *row = json_array();
-    for (int i = 0; i < PL_POSE_NUMBERS; ++i) {
-        json_array_append_new(row, json_real(pose[i]));
-    }
-    return row;
-}
-
-static json_t *poses_json(const pl_body_state *bodies, int body_count)
-{
-    if (bodies == NULL) {
-        return json_null();
-    }
-    json_t *poses = json_array();
-    for (int i = 0; i < body_count; ++i) {
-        double pose[PL_POSE_NUMBERS];
-        pl_pose_of(&bodies[i], pose);
-        json_array_append_new(poses, pl_pose_to_json(pose));
-    }
-    return poses;
 }
 
 static json_t *read_back_json(unsigned read_back)
@@ -226,7 +187,7 @@ json_t *pl_run_result_to_json(const pl_run_result *result)
         result->substeps > 0 ? json_integer(result->substeps) : json_null(), "read_back",
         read_back_json(result->read_back), "off_count", result->metrics.deviations.off, "off",
         off_json(&result->metrics.deviations), "metrics", metrics_json(&result->metrics),
-        "final_poses", poses_json(result->bodies, result->body_count));
+        "final_poses", result->bodies != NULL ? json_integer(result->body_count) : json_null());
 }
 
 json_t *pl_results_of_study(const json_t *results, const char *name)

@@ -63,17 +63,9 @@ typedef struct pl_run_result {
     const pl_body_state *bodies; /* (body_count) at the last good frame; NULL when there is none */
 } pl_run_result;
 
-/* The keys outcome, reason, note, steps, substeps, read_back, off_count, off, metrics, final_poses. */
+/* The keys outcome, reason, note, steps, substeps, read_back, off_count, off, metrics, final_poses: the number of the
+ * bodies, or null, in the place of the poses, which the harness sets (isolated_run.c). */
 json_t *pl_run_result_to_json(const pl_run_result *result);
-
-/* The numbers of a row of final_poses: x, y, z, qw, qx, qy, qz. */
-enum { PL_POSE_NUMBERS = 7 };
-
-/* The row of a body, m. */
-void pl_pose_of(const pl_body_state *body, double pose[PL_POSE_NUMBERS]);
-
-/* The same as JSON. */
-json_t *pl_pose_to_json(const double pose[PL_POSE_NUMBERS]);
 
 /* The keys host, plumb, command: this machine, this build, this call. */
 json_t *pl_provenance(int argc, char *const *argv);
@@ -144,5 +136,22 @@ json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance,
  * program. */
 json_t *pl_result_unmade(json_t *identity, pl_outcome outcome, long steps_asked, const char *reason,
                          json_t *provenance);
+
+/* ---- What `plumb check-engine` found (conformance_record.c), kept from one program run to the next: one file for each
+ * engine binary and profile. Reports take from here whether an adapter was verified. The files are in $PLUMB_CACHE,
+ * else in $XDG_CACHE_HOME/plumb, else in $HOME/.cache/plumb, and are called conformance-BINARY-ENGINE-PROFILE.json.
+ * Without any of these variables nothing is kept. A changed binary has no record. ---- */
+
+/* Keeps that `checks` checks were made and `failed` of them failed, and that `skipped` others were
+ * skipped. For a run of all checks with the profile's default options only: `passed` is claimed of
+ * the profile. An engine without a binary hash, because it could not be loaded, has no record.
+ * PL_IO: the folder cannot be written. */
+pl_status pl_conformance_record_write(const pl_engine_info *engine, const char *profile, int checks,
+                                      int failed, int skipped, pl_error *error);
+
+/* What is known of this binary of the engine with the profile, as results say it: {"outcome", "checks", "failed",
+ * "plumb"}, where `checks` were made, and `plumb` is the version that made them. JSON null: there is no record, or it
+ * is damaged or not of this engine. A new reference. */
+json_t *pl_conformance_find(const pl_engine_info *engine, const char *profile);
 
 #endif

@@ -235,78 +235,69 @@ int pl_result_rows_compare_builds(const pl_result_row *a, const pl_result_row *b
 
 /* ---- What counts ---- */
 
-/* How rows are grouped, and by what versions the rows of a group differ. */
-typedef struct versions {
-    int (*compare_groups)(const void *left, const void *right);
-    int (*compare)(const pl_result_row *a, const pl_result_row *b);
-} versions;
+/* Writes two texts of a row: the group to which it belongs, and its version in that group. The caller frees them. */
+typedef void versions(const pl_result_row *row, char **group, char **version);
 
 /* By file of scenes; rows that state no edition are by themselves. */
-static int compare_edited(const void *left, const void *right)
+static void note_edition(const pl_result_row *row, char **group, char **version)
 {
-    const pl_result_row *a = left, *b = right;
-    int order = a->snapshot - b->snapshot;
-    order = order != 0 ? order : strcmp(a->scenario, b->scenario);
-    return order != 0 ? order : (a->edition[0] == '\0') - (b->edition[0] == '\0');
-}
-
-static int compare_editions(const pl_result_row *a, const pl_result_row *b)
-{
-    return strcmp(a->edition, b->edition);
+    *group = pl_heap_format("%d %d %s", row->snapshot, row->edition[0] == '\0', row->scenario);
+    *version = pl_heap_copy(row->edition);
 }
 
 /* By all that should give one scene. */
-static int compare_stated(const void *left, const void *right)
+static void note_hash(const pl_result_row *row, char **group, char **version)
 {
-    const pl_result_row *a = left, *b = right;
-    int order = a->snapshot - b->snapshot;
-    order = order != 0 ? order : strcmp(a->key, b->key);
-    return order != 0 ? order : compare_steps(a, b);
-}
-
-static int compare_hashes(const pl_result_row *a, const pl_result_row *b)
-{
-    return strcmp(a->scene_hash, b->scene_hash);
+    *group = pl_heap_format("%d %.17g %s\x01%s", row->snapshot, row->dt, row->change, row->key);
+    *version = pl_heap_copy(row->scene_hash);
 }
 
 /* By label without the options: "ode:quick", or what label= gave. */
-static int compare_engines(const void *left, const void *right)
+static void note_build(const pl_result_row *row, char **group, char **version)
 {
-    const pl_result_row *a = left, *b = right;
-    const size_t a_length = strcspn(a->label, ","), b_length = strcspn(b->label, ",");
-    int order = a->snapshot - b->snapshot;
-    order =
-        order != 0 ? order : memcmp(a->label, b->label, a_length < b_length ? a_length : b_length);
-    return order != 0 ? order : (a_length > b_length) - (a_length < b_length);
+    *group = pl_heap_format("%d %.*s", row->snapshot, (int)strcspn(row->label, ","), row->label);
+    *version = pl_heap_format("%s\x01%s\x01%s", row->version, row->binary,
+                              row->binary[0] == '\0' ? row->git : "");
+}
+
+/* Returns whether the row is of the version of its group that started last, as far as that is noted in `newest`:
+ * group -> [start, version]. Notes it where the row is newer. */
+static bool is_newest(json_t *newest, const pl_result_row *row, versions *note)
+{
+    char *group, *version;
+    note(row, &group, &version);
+    const json_t *known = json_object_get(newest, group);
+    const char *last = json_string_value(json_array_get(known, 1));
+    int order =
+        known == NULL ? 1 : strcmp(row->started, json_string_value(json_array_get(known, 0)));
+    order = order != 0 ? order : strcmp(version, last);
+    const bool is_same = known != NULL && strcmp(version, last) == 0;
+    if (order > 0) {
+        json_object_set_new(newest, group, json_pack("[s, s]", row->started, version));
+    }
+    free(group);
+    free(version);
+    return is_same || order > 0;
 }
 
 /* Drops the rows of a group that are of another version than the one that started last. Returns how many. */
-static int drop_old(pl_result_table *table, const versions *by)
+static int drop_old(pl_result_table *table, versions *note)
 {
-    int kept = 0;
-    pl_result_row *rows = table->rows;
+    json_t *newest = json_object();
     const int count = table->row_count;
-    if (count > 0) {
-        qsort(rows, (size_t)count, sizeof *rows, by->compare_groups);
+    for (int i = 0; i < count; ++i) {
+        (void)is_newest(newest, &table->rows[i], note);
     }
-    for (int first = 0, next; first < count; first = next) {
-        pl_result_row newest = rows[first];
-        for (next = first; next < count && by->compare_groups(&rows[first], &rows[next]) == 0;
-             ++next) {
-            int order = strcmp(rows[next].started, newest.started);
-            order = order != 0 ? order : by->compare(&rows[next], &newest);
-            newest = order > 0 ? rows[next] : newest;
-        }
-        for (int i = first; i < next; ++i) {
-            if (by->compare(&rows[i], &newest) == 0) {
-                rows[kept++] = rows[i];
-            } else {
-                free(rows[i].key);
-            }
+    table->row_count = 0;
+    for (int i = 0; i < count; ++i) {
+        if (is_newest(newest, &table->rows[i], note)) {
+            table->rows[table->row_count++] = table->rows[i];
+        } else {
+            free(table->rows[i].key);
         }
     }
-    table->row_count = kept;
-    return count - kept;
+    json_decref(newest);
+    return count - table->row_count;
 }
 
 static int compare_same_scene(const void *left, const void *right)
@@ -337,9 +328,6 @@ static void find_editions(pl_result_table *table)
 pl_status pl_result_rows_read(const pl_result_table_def *def, pl_result_table *table,
                               pl_error *error)
 {
-    static const versions editions = {compare_edited, compare_editions},
-                          hashes = {compare_stated, compare_hashes},
-                          builds = {compare_engines, pl_result_rows_compare_builds};
     for (int i = 0; i < def->file_count; ++i) {
         const pl_status status = read_file(def, i, table, error);
         if (status != PL_OK) {
@@ -347,7 +335,7 @@ pl_status pl_result_rows_read(const pl_result_table_def *def, pl_result_table *t
         }
     }
     find_editions(table);
-    table->old_scenes = drop_old(table, &editions) + drop_old(table, &hashes);
-    table->old_builds = drop_old(table, &builds);
+    table->old_scenes = drop_old(table, note_edition) + drop_old(table, note_hash);
+    table->old_builds = drop_old(table, note_build);
     return PL_OK;
 }

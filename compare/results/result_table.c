@@ -199,37 +199,24 @@ static void lay_out(pl_result_table *table)
 
 /* ---- Names ---- */
 
-/* A name, and what is added where it is not unique. */
-typedef struct naming {
-    char *name;
-    const char *mark;
-} naming;
-
-static int compare_names(const void *left, const void *right)
+/* Counts how many have each name. */
+static void count_name(json_t *counts, const char *name)
 {
-    return strcmp(((const naming *)left)->name, ((const naming *)right)->name);
+    const json_int_t before = json_integer_value(json_object_get(counts, name));
+    json_object_set_new_nocheck(counts, name, json_integer(before + 1));
 }
 
-/* Adds " #MARK" to equal names. */
-static void mark_equal(naming *names, int count)
+/* Adds the hash of the scene to a name that several have. */
+static void mark_name(const json_t *counts, char name[PL_CASE_NAME_SIZE], const pl_result_row *row)
 {
-    if (count > 0) {
-        qsort(names, (size_t)count, sizeof *names, compare_names);
-    }
-    for (int first = 0, next; first < count; first = next) {
-        for (next = first + 1; next < count && compare_names(&names[first], &names[next]) == 0;) {
-            ++next;
-        }
-        for (int i = next - 1; i >= first && next - first > 1; --i) {
-            pl_case_name_add(names[i].name, " #%.16s", names[i].mark);
-        }
+    if (json_integer_value(json_object_get(counts, name)) > 1) {
+        pl_case_name_add(name, " #%.16s", row->scene_hash);
     }
 }
 
 static void name_all(pl_result_table *table)
 {
-    naming *names = pl_heap_new((size_t)table->case_count, sizeof *names);
-    int count = 0;
+    json_t *cases = json_object(), *scenes = json_object();
     for (int i = 0; i < table->case_count; ++i) {
         pl_result_case *own = &table->cases[i];
         const pl_case_identity identity = pl_result_row_identity(own->row);
@@ -237,17 +224,22 @@ static void name_all(pl_result_table *table)
         if (own->row->change[0] != '\0') {
             pl_case_name_add(own->name, ", %s", own->row->change);
         }
-        names[i] = (naming){own->name, own->row->scene_hash};
+        count_name(cases, own->name);
     }
-    mark_equal(names, table->case_count);
     for (int i = 0; i < table->scene_count; ++i) {
         pl_result_scene *own = &table->scenes[i];
         const pl_case_identity identity = pl_result_row_scene(own->row);
         pl_case_name(&identity, own->name);
-        names[count++] = (naming){own->name, own->row->scene_hash};
+        count_name(scenes, own->name);
     }
-    mark_equal(names, count);
-    free(names);
+    for (int i = 0; i < table->case_count; ++i) {
+        mark_name(cases, table->cases[i].name, table->cases[i].row);
+    }
+    for (int i = 0; i < table->scene_count; ++i) {
+        mark_name(scenes, table->scenes[i].name, table->scenes[i].row);
+    }
+    json_decref(cases);
+    json_decref(scenes);
 }
 
 /* ---- The table ---- */

@@ -226,7 +226,7 @@ int pl_result_rows_compare_builds(const pl_result_row *a, const pl_result_row *b
 
 /* ---- Metrics over repeats (metric_summary.c) ---- */
 
-enum { PL_METRIC_TEXT_SIZE = 160, PL_METRIC_NOTE_SIZE = 640 };
+enum { PL_METRIC_TEXT_SIZE = 160 };
 
 /* Summarises the metric of that name over the results of one run, which must outlive the summary. */
 pl_metric_summary pl_metric_summarise(const pl_result_row *rows, int count, const char *name);
@@ -237,8 +237,8 @@ void pl_metric_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_S
 /* The same, with the spread where repeats differ: "12.3 ± 0.4 µs" has the median and `mad`. */
 void pl_metric_spread_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_SIZE]);
 
-/* Writes the text of a tooltip: why there is no value, or spread and percentiles; "" where there is
- * nothing to say. */
-void pl_metric_note(const pl_metric_summary *summary, char text[PL_METRIC_NOTE_SIZE]);
+/* Returns the text of a tooltip, which the caller frees: why there is no value, or spread and percentiles; "" where
+ * there is nothing to say. */
+char *pl_metric_note(const pl_metric_summary *summary);
 
 #endif

@@ -1,4 +1,4 @@
-#include "engine_values.h"
+#include "session.h"
 
 #include "base/diagnostic.h"
 #include "base/heap.h"

@@ -104,8 +104,7 @@ static json_t *recall(const pl_execution_def *def, const char *run)
     return is_whole ? result : NULL;
 }
 
-/* Marks the runs in due (size of the plan), unless that is NULL, and counts them. */
-static long mark_due(const pl_execution_def *def, bool *due)
+long pl_execution_due(const pl_execution_def *def, bool *due)
 {
     long count = 0;
     for (long i = 0; i < pl_plan_size(def->plan); ++i) {
@@ -120,11 +119,6 @@ static long mark_due(const pl_execution_def *def, bool *due)
         json_decref(identity);
     }
     return count;
-}
-
-long pl_execution_due(const pl_execution_def *def)
-{
-    return mark_due(def, NULL);
 }
 
 /* Chooses the paths where the slot's run writes its positions and its recording, if it does. */
@@ -415,7 +409,7 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
         e.slots[i].built = pl_scene_default();
     }
     e.signals = catch_signals(&before);
-    const long due = mark_due(def, e.due);
+    const long due = pl_execution_due(def, e.due);
     if (def->bar == NULL && def->progress != NULL) {
         own = pl_progress_begin(def->progress, due, pl_monotonic_seconds());
         e.bar = &own;

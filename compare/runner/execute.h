@@ -39,8 +39,9 @@ typedef struct pl_execution_def {
     pl_status (*take)(void *user, json_t *result, pl_error *error);
 } pl_execution_def;
 
-/* Counts the runs that are to be made: those that are not skipped, and that the store does not have. */
-long pl_execution_due(const pl_execution_def *def);
+/* Counts the runs that are to be made: those that are not skipped, and that the store does not have. Marks them in
+ * `due` (size of the plan), unless that is NULL. */
+long pl_execution_due(const pl_execution_def *def, bool *due);
 
 /* Returns when all runs are done, or at SIGINT, SIGTERM or SIGHUP (unless they are ignored) with
  * its number in *signal_number, 0 otherwise: runs in progress are then killed and leave nothing.

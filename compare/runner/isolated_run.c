@@ -9,26 +9,23 @@
 #include <string.h>
 #include <sys/mman.h>
 
-/* In the child: the result as JSON is the answer, with the number of final poses in the place of
- * these; they follow as doubles, since of many bodies they are nearly all of it. */
+/* The numbers of a final pose: x, y, z, qw, qx, qy, qz. */
+enum { POSE_NUMBERS = 7 };
+
+/* In the child: the result as JSON is the answer. The final poses follow as doubles, since of many bodies they are
+ * nearly all of it. */
 static pl_status answer_result(const pl_run_result *result, void *user, pl_error *error)
 {
     (void)error;
     FILE *answer = user;
-    pl_run_result short_result = *result;
-    short_result.bodies = NULL;
-    json_t *object = pl_run_result_to_json(&short_result);
-    if (result->bodies != NULL) {
-        json_object_set_new(object, "final_poses", json_integer(result->body_count));
-    }
+    json_t *object = pl_run_result_to_json(result);
     char *line = pl_result_to_line(object);
     json_decref(object);
     fputs(line, answer);
     free(line);
     for (int i = 0; i < result->body_count && result->bodies != NULL; ++i) {
-        double pose[PL_POSE_NUMBERS];
-        pl_pose_of(&result->bodies[i], pose);
-        fwrite(pose, sizeof pose, 1, answer);
+        fwrite(result->bodies[i].position, sizeof result->bodies->position, 1, answer);
+        fwrite(result->bodies[i].orientation, sizeof result->bodies->orientation, 1, answer);
     }
     return PL_OK;
 }
@@ -38,9 +35,13 @@ static json_t *read_poses(const char *bytes, size_t count)
 {
     json_t *poses = json_array();
     for (size_t i = 0; i < count; ++i) {
-        double pose[PL_POSE_NUMBERS];
-        memcpy(pose, bytes + i * sizeof pose, sizeof pose);
-        json_array_append_new(poses, pl_pose_to_json(pose));
+        json_t *row = json_array();
+        for (int k = 0; k < POSE_NUMBERS; ++k, bytes += sizeof(double)) {
+            double number;
+            memcpy(&number, bytes, sizeof number);
+            json_array_append_new(row, json_real(number));
+        }
+        json_array_append_new(poses, row);
     }
     return poses;
 }
@@ -51,20 +52,20 @@ static json_t *read_answer(const pl_process *process)
 {
     json_error_t place;
     json_t *outcome =
-        json_loadb(process->text, process->text_length, JSON_DISABLE_EOF_CHECK, &place);
+        json_loadb(process->text.data, process->text.length, JSON_DISABLE_EOF_CHECK, &place);
     if (outcome == NULL) {
         return NULL;
     }
     const json_t *asked = json_object_get(outcome, "final_poses");
-    const size_t end = (size_t)place.position, length = process->text_length - end;
-    const size_t size = PL_POSE_NUMBERS * sizeof(double), count = length / size;
+    const size_t end = (size_t)place.position, length = process->text.length - end;
+    const size_t size = POSE_NUMBERS * sizeof(double), count = length / size;
     const bool is_whole = length % size == 0 && json_integer_value(asked) == (json_int_t)count;
     if (!is_whole) {
         json_decref(outcome);
         return NULL;
     }
     if (json_is_integer(asked)) {
-        json_object_set_new(outcome, "final_poses", read_poses(process->text + end, count));
+        json_object_set_new(outcome, "final_poses", read_poses(process->text.data + end, count));
     }
     return outcome;
 }
@@ -152,7 +153,7 @@ void pl_isolated_run_look(pl_isolated_run *run)
     if (!(run->limits.cpu_time > 0)) {
         return;
     }
-    const double cpu_time = pl_cpu_time_of(pl_process_job(&run->process)) +
+    const double cpu_time = pl_cpu_time_of(atomic_load(&run->process.report->job)) +
                             pl_cpu_time_of(atomic_load(&run->def.watch->program));
     const bool is_limited =
         stage == PL_STAGE_CREATE || stage == PL_STAGE_STEP || stage == PL_STAGE_READ;
@@ -218,21 +219,17 @@ pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_
     } else {
         add_last_line(run, outcome);
     }
+    const char *failed = json_string_value(json_object_get(outcome, "error"));
     if (process->stream != NULL && (fflush(process->stream) != 0 || ferror(process->stream))) {
         status = pl_fail(error, PL_IO, "trajectory: %s", strerror(errno));
-        goto cleanup;
-    }
-    const char *failed = json_string_value(json_object_get(outcome, "error"));
-    if (failed != NULL) {
+    } else if (failed != NULL) {
         status = pl_fail(error, PL_IO, "%s on %s: the run could not be made: %s",
                          json_string_value(json_object_get(run->identity, "label")),
                          json_string_value(json_object_get(run->identity, "scenario")), failed);
-        goto cleanup;
+    } else {
+        *result = pl_result_compose(run->identity, outcome, provenance, process->tail,
+                                    process->tail_length, run->started);
     }
-    *result = pl_result_compose(run->identity, outcome, provenance, process->tail,
-                                process->tail_length, run->started);
-
-cleanup:
     json_decref(outcome);
     free_run(run);
     return status;

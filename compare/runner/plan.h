@@ -6,7 +6,6 @@
 #define PLUMB_PLAN_H
 
 #include "engines/registry.h"
-#include "results/conformance_record.h"
 #include "results/result.h"
 
 /* How a case differs from the one that was asked for; all zero: it does not. */

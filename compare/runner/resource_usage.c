@@ -42,7 +42,7 @@ static int open_counter(void)
     return (int)syscall(SYS_perf_event_open, &attributes, 0, -1, -1, PERF_FLAG_FD_CLOEXEC);
 }
 
-static void give_up(pl_call_timer *timer)
+void pl_call_timer_close(pl_call_timer *timer)
 {
     if (timer->counter >= 0) {
         close(timer->counter);
@@ -62,7 +62,7 @@ static double count_since(pl_call_timer *timer)
     }
     if (read(timer->counter, &now, sizeof now) != (ssize_t)sizeof now ||
         now.running < now.enabled) {
-        give_up(timer);
+        pl_call_timer_close(timer);
         return NAN;
     }
     const double counted = (double)(now.count - timer->count);
@@ -82,16 +82,11 @@ pl_call_timer pl_call_timer_open(void)
     return timer;
 }
 
-void pl_call_timer_close(pl_call_timer *timer)
-{
-    give_up(timer);
-}
-
 /* The clocks are read innermost, so that the times have no part of the counter's. */
 void pl_call_timer_begin(pl_call_timer *timer)
 {
     if (timer->counter >= 0 && ioctl(timer->counter, PERF_EVENT_IOC_ENABLE, 0) != 0) {
-        give_up(timer);
+        pl_call_timer_close(timer);
     }
     timer->wall_before = seconds_of(CLOCK_MONOTONIC);
     timer->cpu_before = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
@@ -102,7 +97,7 @@ pl_call_cost pl_call_timer_end(pl_call_timer *timer)
     pl_call_cost cost = {.cpu_time = seconds_of(CLOCK_PROCESS_CPUTIME_ID) - timer->cpu_before};
     cost.wall_time = seconds_of(CLOCK_MONOTONIC) - timer->wall_before;
     if (timer->counter >= 0 && ioctl(timer->counter, PERF_EVENT_IOC_DISABLE, 0) != 0) {
-        give_up(timer);
+        pl_call_timer_close(timer);
     }
     const double counted = count_since(timer);
     cost.instructions = isnan(counted) ? counted : fmax(0, counted - timer->own);

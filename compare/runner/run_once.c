@@ -7,13 +7,12 @@
 #include "base/arena.h"
 #include "base/array.h"
 #include "base/heap.h"
-#include "engine_values.h"
 #include "engines/process.h"
 #include "positions.h"
 #include "recording.h"
 #include "referee/referee.h"
 #include "resource_usage.h"
-#include "second_run.h"
+#include "session.h"
 
 #include <errno.h>
 #include <math.h>
@@ -331,7 +330,7 @@ static bool is_over_limit(const run *r, pl_run_result *result)
 {
     const double limit = r->def->cpu_limit;
     pl_error reason = {.message = ""};
-    if (!(limit > 0) || pl_session_cpu_time(&r->session) <= limit ||
+    if (!pl_session_is_over_limit(&r->session, limit) ||
         result->steps_done == result->steps_asked) {
         return false;
     }
@@ -448,6 +447,6 @@ cleanup:
     free(r.good.bodies);
     free(r.contacts);
     free(r.times);
-    pl_state_hashes_free(&r.hashes);
+    free(r.hashes.step);
     return status;
 }

@@ -1,4 +1,4 @@
-#include "second_run.h"
+#include "session.h"
 
 #include "base/hash.h"
 #include "base/heap.h"
@@ -37,12 +37,6 @@ void pl_state_hashes_add(pl_state_hashes *hashes, const pl_frame *frame)
     }
 }
 
-void pl_state_hashes_free(pl_state_hashes *hashes)
-{
-    free(hashes->step);
-    *hashes = (pl_state_hashes){.count = 0};
-}
-
 /* ---- The second run ---- */
 
 static void compare_state(pl_session *session, const pl_state_hashes *first, long step,
@@ -55,11 +49,6 @@ static void compare_state(pl_session *session, const pl_state_hashes *first, lon
     }
 }
 
-static bool is_over(const pl_session *session, double cpu_limit)
-{
-    return cpu_limit > 0 && pl_session_cpu_time(session) > cpu_limit;
-}
-
 pl_status pl_second_run(pl_session *session, const pl_scene *scene, const pl_state_hashes *first,
                         double cpu_limit, pl_frame *frame, pl_difference *difference,
                         pl_error *error)
@@ -70,7 +59,8 @@ pl_status pl_second_run(pl_session *session, const pl_scene *scene, const pl_sta
     memset(session->cost, 0, sizeof session->cost);
     pl_session_destroy(session);
     pl_status status = pl_session_create(session, scene, error);
-    for (long step = 1; status == PL_OK && step < first->count && !is_over(session, cpu_limit);
+    for (long step = 1;
+         status == PL_OK && step < first->count && !pl_session_is_over_limit(session, cpu_limit);
          ++step) {
         pl_step_stats stats;
         status = pl_session_step(session, &stats, NULL, error);

@@ -90,7 +90,7 @@ static pl_status check_same_binary(const pl_engine_info *info, int mapped, pl_er
     if (status != PL_OK || strcmp(stamp, info->stamp) == 0) {
         return status;
     }
-    status = pl_binary_hash(mapped, NULL, hash, error);
+    status = pl_binary_hash(info, mapped, hash, error);
     if (status != PL_OK || strcmp(hash, info->binary) == 0) {
         return status;
     }
@@ -103,8 +103,7 @@ pl_status pl_session_load(pl_session *session, pl_error *error)
     const int mapped = pl_mapped_file_count();
     pl_error fault = {.message = ""};
     enter(session, PL_STAGE_LOAD);
-    const pl_engine_origin origin = pl_engine_origin_of(info);
-    pl_status status = pl_load_engine(&origin, &session->loaded, &fault);
+    pl_status status = pl_load_engine(info, &session->loaded, &fault);
     note_modes(session, PL_STAGE_LOAD, session->loaded.changed_modes);
     session->program_time = pl_process_engine_times();
     if (status != PL_OK) {
@@ -309,9 +308,11 @@ pl_pair_coefficients pl_session_read_pair(pl_session *session, int body_a, int b
     return found;
 }
 
-double pl_session_cpu_time(const pl_session *session)
+bool pl_session_is_over_limit(const pl_session *session, double cpu_limit)
 {
-    return session->cost[PL_CALLS_CREATE].cpu_time + session->cost[PL_CALLS_STEP].cpu_time;
+    return cpu_limit > 0 &&
+           session->cost[PL_CALLS_CREATE].cpu_time + session->cost[PL_CALLS_STEP].cpu_time >
+               cpu_limit;
 }
 
 void pl_session_destroy(pl_session *session)

@@ -9,7 +9,11 @@
 #include "engines/registry.h"
 #include "plumb/contact_times.h"
 #include "plumb/scenario.h"
+#include "referee/metrics/expectations.h"
 #include "resource_usage.h"
+#include "results/result.h"
+
+#include <stdint.h>
 
 /* The stages of a session. */
 typedef enum pl_stage {
@@ -97,8 +101,8 @@ void pl_session_read_settings(pl_session *session, pl_engine_settings *settings)
 /* The coefficients of a pair of bodies as the engine has them; NAN: it does not say. */
 pl_pair_coefficients pl_session_read_pair(pl_session *session, int body_a, int body_b);
 
-/* The CPU time so far that a limit counts, s: that of create and the steps. Reads serve the harness. */
-double pl_session_cpu_time(const pl_session *session);
+/* Whether create and the steps have taken more than `cpu_limit` s of CPU time; 0: no limit. Reads serve the harness. */
+bool pl_session_is_over_limit(const pl_session *session, double cpu_limit);
 
 /* Destroys the instance, if there is one. Another scene may then be created. */
 void pl_session_destroy(pl_session *session);
@@ -112,5 +116,54 @@ pl_status pl_needs_check(const pl_scene *scene, const pl_engine_info *engine, pl
 /* A box that holds all bodies but planes at the start, grown on all sides by 100 m, or by the distance
  * that the fastest of them goes in 10 s; m. It does not depend on the scene's duration. */
 void pl_scene_bounds(const pl_scene *scene, double lower[3], double upper[3]);
+
+/* ---- Checks of the values that an engine says (engine_values.c) ---- Before a run: it must simulate the masses,
+ * inertias, gravity, time step, friction and restitution of the scene, without damping; they are read back from the
+ * engine. In each step: a run in which it reports a value that cannot be ends, with the value, the field and the step
+ * as its reason, because every metric of it would be in doubt. */
+
+/* Compares the engine's own masses, principal inertias (in any order), gravity, step, damping, and
+ * the friction and restitution of every pair of materials that two bodies can bring together, with
+ * the scene's: to 1e-12 relative, or to 16 units in the last place of a float where the engine
+ * computes with floats. What the engine does not read back is not compared. *compared has a bit
+ * 1 << pl_read_back for each kind of number that was, and *substeps the engine's sub-steps a step.
+ * PL_UNSUPPORTED names the first number that differs, with both values. */
+pl_status pl_parameter_check(pl_session *session, const pl_scene *scene, unsigned *compared,
+                             int *substeps, pl_error *error);
+
+/* Checks the statistics of a step: each is NAN (unknown), or finite and at least 0, and a count
+ * at most 1e12. PL_FAILED. */
+pl_status pl_check_stats(const pl_step_stats *stats, long step, pl_error *error);
+
+/* Checks `count` contacts of a step, of an engine that reports the PL_CONTACTS_* bits `reported`:
+ * two different bodies of the scene, finite numbers, and normals of unit length to 1e-3.
+ * PL_FAILED. */
+pl_status pl_check_contacts(const pl_contact *contacts, int count, uint32_t reported,
+                            int body_count, long step, pl_error *error);
+
+/* PL_FAILED: a time outside the step, or a number that is not finite. `dt`: of the step, s. */
+pl_status pl_check_contact_times(const pl_contact_time *times, int count, double dt, long step,
+                                 pl_error *error);
+
+/* ---- A second run of a scene in the same process (second_run.c): whether an engine gives the same bits again. State
+ * that an engine keeps outside its world, or an order that depends on addresses, shows here. ---- */
+
+/* The hashes of the states of a run. Starts as {0}. */
+typedef struct pl_state_hashes {
+    uint64_t *step; /* (count), by step; NULL: none are kept. The caller frees */
+    long count;     /* steps so far, with the state before the first */
+} pl_state_hashes;
+
+/* Makes room for the states of a scene that expects the same bits; keeps none of another. */
+void pl_state_hashes_create(const pl_scene *scene, pl_state_hashes *hashes);
+/* Adds the next state. */
+void pl_state_hashes_add(pl_state_hashes *hashes, const pl_frame *frame);
+
+/* Destroys the session's instance, creates the scene again, and takes as many steps as `first` has. It ends
+ * early where create and steps take more than `cpu_limit` s (0: no limit) and leaves the session's costs as
+ * they were. `frame` is overwritten. The engine's own status. */
+pl_status pl_second_run(pl_session *session, const pl_scene *scene, const pl_state_hashes *first,
+                        double cpu_limit, pl_frame *frame, pl_difference *difference,
+                        pl_error *error);
 
 #endif

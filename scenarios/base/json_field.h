@@ -75,6 +75,12 @@ bool pl_json_name(const json_t *object, const char *key, pl_presence presence,
 /* The text of a key of an object, borrowed; "" where there is none or it is no text. */
 const char *pl_json_get_text(const json_t *object, const char *key);
 
+/* The number of a key of an object; 0 where there is none or it is no number. */
+static inline double pl_json_get_number(const json_t *object, const char *key)
+{
+    return json_number_value(json_object_get(object, key));
+}
+
 /* A JSON string of any bytes: where they are no UTF-8 text, each byte outside of ASCII becomes '?'.
  * Control characters (C0, DEL, C1) but tab and newline become '?' too. */
 json_t *pl_json_bytes(const char *bytes, size_t length);

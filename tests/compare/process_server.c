@@ -3,7 +3,7 @@
  *     process_server NAME
  *
  * Its results are those of the engine without the protocol, bit for bit. */
-#include "engines/load_engine.h"
+#include "engines/engine_info.h"
 #include "plumb/scenario.h"
 
 #include "adapters/built_in.h"
@@ -289,9 +289,9 @@ int main(int argc, char **argv)
     const pl_built_in *known = pl_built_in_engines(&count);
     pl_error error = {.message = ""};
     for (int i = 0; i < count && argc == 2; ++i) {
-        const pl_engine_origin origin = {.entry = known[i].entry};
-        if (strcmp(known[i].name, argv[1]) == 0 && origin.entry != NULL &&
-            pl_load_engine(&origin, &s.loaded, &error) != PL_OK) {
+        const pl_engine_info info = {.built_in = &known[i]};
+        if (strcmp(known[i].name, argv[1]) == 0 && known[i].entry != NULL &&
+            pl_load_engine(&info, &s.loaded, &error) != PL_OK) {
             fprintf(stderr, "%s\n", error.message);
             return 1;
         }

@@ -1,7 +1,6 @@
 /* The laws of conformance records: a record is read back as it was written, it belongs to one binary
  * and one profile, and anything that is no whole record counts as none. */
 #include "check.h"
-#include "results/conformance_record.h"
 #include "results/result.h"
 
 #include <stdio.h>

@@ -47,7 +47,7 @@ static pl_progress execute(seen *s, FILE *out)
                                   .skip = is_needless,
                                   .take = keep};
     int signal_number = 0;
-    assert_int_equal(pl_execution_due(&def), REPEATS);
+    assert_int_equal(pl_execution_due(&def, NULL), REPEATS);
     assert_int_equal(pl_execute(&def, &signal_number, NULL), PL_OK);
     json_decref(provenance);
     pl_plan_free(&plan);

@@ -3,7 +3,6 @@
 #include "check.h"
 #include "engines/process.h"
 #include "plumb_process.h"
-#include "runner/engine_values.h"
 #include "runner/plan.h"
 #include "runner/progress.h"
 #include "runner/resource_usage.h"
@@ -163,7 +162,7 @@ static void test_an_answer_larger_than_a_pipe_arrives_whole(void **state)
         assert_int_equal(pl_process_start(&process, &limits, answer_much, &count, NULL), PL_OK);
         collect(&process);
         assert_true(WIFEXITED(process.wait_status) && WEXITSTATUS(process.wait_status) == 0);
-        assert_int_equal(process.text_length, 16 * (size_t)count);
+        assert_int_equal(process.text.length, 16 * (size_t)count);
         pl_process_free(&process);
     }
 }
@@ -247,8 +246,7 @@ static void test_run_starts_with_default_signals_and_session(void **state)
     collect(&process);
     signal(SIGINT, SIG_DFL);
     sigprocmask(SIG_SETMASK, &before, NULL);
-    process.text[process.text_length] = '\0';
-    assert_string_equal(process.text, "0 1 1");
+    assert_string_equal(process.text.data, "0 1 1");
     pl_process_free(&process);
 }
 
@@ -294,9 +292,8 @@ static void test_resident_set_growth_is_the_touched_peak(void **state)
         pl_process process;
         assert_int_equal(pl_process_start(&process, &limits, measure_growth, &bytes, NULL), PL_OK);
         collect(&process);
-        process.text[process.text_length] = '\0';
         /* Linux keeps a process's counters in batches of 64 pages. */
-        assert_close(strtod(process.text, NULL), (double)bytes, 1 << 20, 0);
+        assert_close(strtod(process.text.data, NULL), (double)bytes, 1 << 20, 0);
         pl_process_free(&process);
     }
 }

@@ -149,7 +149,7 @@ pl_status pl_tolerance_execute(const pl_execution_def *how, int *signal_number, 
     work w = {.searches = {.how = how, .bar = &w.bar, .next = next, .take = take, .user = &w},
               .found = pl_heap_new((size_t)pairs, sizeof *w.found),
               .study = json_pack("{s:s}", "name", "iterations")};
-    long runs = pl_execution_due(how);
+    long runs = pl_execution_due(how, NULL);
     for (int i = 0; i < pairs; ++i) {
         add_search(&w, i / plan->configuration_count, i % plan->configuration_count);
     }

@@ -88,7 +88,7 @@ bool pl_reference_run(pl_reference_work *work, const pl_plan *plan, long stride)
     execution.user = work;
     execution.skip = is_hopeless;
     if (execution.bar != NULL) {
-        execution.bar->total += pl_execution_due(&execution);
+        execution.bar->total += pl_execution_due(&execution, NULL);
     }
     if (pl_reference_goes_on(work)) {
         work->status = pl_execute(&execution, &work->signal_number, work->error);
