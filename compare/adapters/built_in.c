@@ -66,6 +66,16 @@ const pl_built_in *pl_built_in_engines(int *count)
     return pl_built_in_table;
 }
 
+const pl_built_in *pl_built_in_find(const char *name)
+{
+    for (int i = 0; i < pl_built_in_count; ++i) {
+        if (strcmp(pl_built_in_table[i].name, name) == 0) {
+            return &pl_built_in_table[i];
+        }
+    }
+    return NULL;
+}
+
 bool pl_built_in_path(const pl_built_in *built_in, char *path, size_t size)
 {
     char folder[PATH_ROOM];
@@ -79,13 +89,9 @@ bool pl_built_in_path(const pl_built_in *built_in, char *path, size_t size)
 
 void pl_engine_family(const char *name, char family[PL_FAMILY_SIZE])
 {
-    int count;
-    const pl_built_in *all = pl_built_in_engines(&count);
-    for (int i = 0; i < count; ++i) {
-        if (strcmp(all[i].name, name) == 0 && all[i].family != NULL) {
-            name = all[i].family;
-            break;
-        }
+    const pl_built_in *known = pl_built_in_find(name);
+    if (known != NULL && known->family != NULL) {
+        name = known->family;
     }
     const size_t letters = strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ");
     snprintf(family, PL_FAMILY_SIZE, "%.*s", (int)letters, name);

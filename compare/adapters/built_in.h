@@ -57,4 +57,7 @@ enum { PL_MOST_BUILT_IN = 24 };
 /* All of them in the order of reports, absent ones too. Static storage. */
 const pl_built_in *pl_built_in_engines(int *count);
 
+/* The one of that name; NULL: there is none. */
+const pl_built_in *pl_built_in_find(const char *name);
+
 #endif

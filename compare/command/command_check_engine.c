@@ -39,21 +39,20 @@ static bool is_among(const pl_texts *names, const char *name)
 static pl_status check_names(const options *o, pl_error *error)
 {
     pl_texts known = {.items = NULL};
-    pl_status status = PL_OK;
     const pl_check *check;
     for (int i = 0; (check = pl_conformance_check(i)) != NULL; ++i) {
         pl_texts_add(&known, check->name);
     }
-    for (int i = 0; i < o->checks.count && status == PL_OK; ++i) {
+    for (int i = 0; i < o->checks.count; ++i) {
         const char *name = o->checks.items[i];
         if (!is_among(&known, name)) {
             char hint[PL_SUGGESTION_SIZE];
-            status = pl_fail(error, PL_BAD_INPUT, "there is no check \"%s\"%s", name,
-                             pl_did_you_mean(name, known.items, known.count, hint));
+            return pl_fail(error, PL_BAD_INPUT, "there is no check \"%s\"%s", name,
+                           pl_did_you_mean(name, known.items, known.count, hint));
         }
     }
     free(known.items);
-    return status;
+    return PL_OK;
 }
 
 static pl_status check(void *user, pl_error *error)
@@ -144,11 +143,10 @@ static void take_result(checking *c, const pl_engine_choice *choice, const pl_ch
 }
 
 /* Makes the checks that were asked for; counts[outcome] is how many had each outcome. */
-static pl_status run_checks(checking *c, const pl_engine_choice *choice, json_t *results,
-                            int counts[3], pl_error *error)
+static void run_checks(checking *c, const pl_engine_choice *choice, json_t *results, int counts[3])
 {
     static const pl_check load = {.name = "load", .title = "the engine can be loaded and asked"};
-    pl_status status = PL_OK;
+    pl_error *error = c->call->error;
     const pl_check *check;
     if (choice->engine->fault.is_fault) {
         pl_check_result result = {
@@ -157,19 +155,18 @@ static pl_status run_checks(checking *c, const pl_engine_choice *choice, json_t 
                  choice->engine->fault.reason);
         counts[PL_CHECK_FAILED] = 1;
         take_result(c, choice, &result, results);
-        return PL_OK;
+        return;
     }
-    for (int i = 0; (check = pl_conformance_check(i)) != NULL && status == PL_OK; ++i) {
+    for (int i = 0; (check = pl_conformance_check(i)) != NULL; ++i) {
         pl_check_result result;
         if (c->options->checks.count == 0 || is_among(&c->options->checks, check->name)) {
-            status = pl_conformance_run(check, choice, &c->options->request.limits, &result, error);
-            if (status == PL_OK) {
-                counts[result.outcome] += 1;
-                take_result(c, choice, &result, results);
-            }
+            const pl_limits *limits = &c->options->request.limits;
+            pl_call_check(c->call, pl_conformance_run(check, choice, limits, &result, error),
+                          error);
+            counts[result.outcome] += 1;
+            take_result(c, choice, &result, results);
         }
     }
-    return status;
 }
 
 /* Keeps what was found for the reports, when all checks were made with the profile's own values. A
@@ -191,18 +188,14 @@ static void keep_record(const checking *c, const pl_engine_choice *choice, const
 }
 
 /* Checks one configuration and adds the result to the list. */
-static pl_status check_choice(checking *c, const pl_engine_choice *choice, pl_error *error)
+static void check_choice(checking *c, const pl_engine_choice *choice)
 {
     char label[PL_LABEL_SIZE];
     int counts[3] = {0};
     json_t *results = json_array();
     pl_engine_choice_label(choice, label);
     c->headed = false;
-    const pl_status status = run_checks(c, choice, results, counts, error);
-    if (status != PL_OK) {
-        json_decref(results);
-        return status;
-    }
+    run_checks(c, choice, results, counts);
     const char *verdict = counts[PL_CHECK_FAILED] > 0 ? "failed" : "passed";
     if (c->shows) {
         pl_folding folding;
@@ -217,65 +210,60 @@ static pl_status check_choice(checking *c, const pl_engine_choice *choice, pl_er
         c->list, json_pack("{s:o, s:o, s:s, s:s, s:o}", "label", pl_json_text(label),
                            "engine_version", pl_json_text(choice->engine->version), "engine_binary",
                            choice->engine->binary, "outcome", verdict, "checks", results));
-    return PL_OK;
 }
 
-/* Whether a SPEC is one, and is one that --all-profiles takes. */
-static pl_status check_spec(const options *o, const char *spec, pl_engine_choice *choice,
-                            pl_error *error)
-{
-    const pl_status status = pl_engine_choose(spec, choice, error);
-    const char *slash = strrchr(spec, '/');
-    if (status == PL_OK && o->all_profiles && strpbrk(slash == NULL ? spec : slash, ":,") != NULL) {
-        return pl_fail(error, PL_BAD_INPUT,
-                       "--all-profiles takes an engine without a profile or options; found \"%s\"",
-                       spec);
-    }
-    return status;
-}
-
-static pl_status check_engine(checking *c, const char *spec, pl_error *error)
+/* What a SPEC chooses; ends the program where it is none, or is one that --all-profiles does not take. */
+static pl_engine_choice choose(const checking *c, const char *spec)
 {
     pl_engine_choice choice;
-    pl_status status = check_spec(c->options, spec, &choice, error);
-    if (status != PL_OK || !c->options->all_profiles || choice.engine->fault.is_fault) {
-        return status != PL_OK ? status : check_choice(c, &choice, error);
+    pl_error *error = c->call->error;
+    const char *slash = strrchr(spec, '/');
+    pl_call_check(c->call, pl_engine_choose(spec, &choice, error), error);
+    if (c->options->all_profiles && strpbrk(slash == NULL ? spec : slash, ":,") != NULL) {
+        pl_fail(error, PL_BAD_INPUT,
+                "--all-profiles takes an engine without a profile or options; found \"%s\"", spec);
+        pl_call_check(c->call, PL_BAD_INPUT, error);
     }
-    for (int i = 0; i < choice.engine->profile_count && status == PL_OK; ++i) {
+    return choice;
+}
+
+static void check_engine(checking *c, pl_engine_choice choice)
+{
+    if (!c->options->all_profiles || choice.engine->fault.is_fault) {
+        check_choice(c, &choice);
+        return;
+    }
+    for (int i = 0; i < choice.engine->profile_count; ++i) {
         choice.profile = i;
         memcpy(choice.values, pl_engine_profile_values(choice.engine, i),
                (size_t)choice.engine->option_count * sizeof *choice.values);
-        status = check_choice(c, &choice, error);
+        check_choice(c, &choice);
     }
-    return status;
 }
 
 /* All engines, after every SPEC was found to be one. */
-static pl_status check_engines(checking *c, pl_error *error)
+static void check_engines(checking *c)
 {
-    const pl_texts *specs = &c->options->request.names;
-    pl_engine_choice choice;
-    pl_status status = PL_OK;
-    for (int i = 0; i < specs->count && status == PL_OK; ++i) {
-        status = check_spec(c->options, specs->items[i], &choice, error);
+    const pl_request *request = &c->options->request;
+    pl_error *error = c->call->error;
+    pl_call_check(c->call, pl_request_outputs(request, NULL, error), error);
+    for (int i = 0; i < request->names.count; ++i) {
+        choose(c, request->names.items[i]);
     }
-    for (int i = 0; i < specs->count && status == PL_OK; ++i) {
-        status = check_engine(c, specs->items[i], error);
+    for (int i = 0; i < request->names.count; ++i) {
+        check_engine(c, choose(c, request->names.items[i]));
     }
-    if (status == PL_OK && c->options->request.json != NULL) {
+    if (request->json != NULL) {
         json_t *document =
             json_pack("{s:s, s:O}", "schema", "plumb.conformance/1", "engines", c->list);
-        status = pl_results_write_json(c->options->request.json, document, error);
+        pl_call_check(c->call, pl_results_write_json(request->json, document, error), error);
         json_decref(document);
     }
-    return status;
 }
 
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
-    pl_error error = {.message = ""};
-    pl_status status = PL_OK;
     o.request.limits.timeout = 20;
     pl_call_parse(call, &o);
     checking c = {.call = call,
@@ -285,15 +273,12 @@ static int run(const pl_call *call)
     if (o.list) {
         print_list();
     } else {
-        status = pl_request_outputs(&o.request, NULL, &error);
-        if (status == PL_OK) {
-            status = check_engines(&c, &error);
-        }
+        check_engines(&c);
     }
     json_decref(c.list);
     free(o.checks.items);
     pl_request_free(&o.request);
-    return pl_call_end(call, status, &error, 0, c.failed ? PL_EXIT_GATE : PL_EXIT_OK);
+    return c.failed ? PL_EXIT_GATE : PL_EXIT_OK;
 }
 
 static const pl_option OPTIONS[] = {

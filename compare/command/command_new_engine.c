@@ -99,15 +99,10 @@ static void name_after(const char *folder, char name[PL_NAME_SIZE])
 /* Reports call an engine by its name: that of a built-in one would stand for two. */
 static pl_status check_not_built_in(const char *name, pl_error *error)
 {
-    int count = 0;
-    const pl_built_in *engines = pl_built_in_engines(&count);
-    for (int i = 0; i < count; ++i) {
-        if (strcmp(engines[i].name, name) == 0) {
-            return pl_fail(error, PL_BAD_INPUT,
-                           "%s is the name of a built-in engine: take another with --name", name);
-        }
-    }
-    return PL_OK;
+    return pl_built_in_find(name) == NULL
+               ? PL_OK
+               : pl_fail(error, PL_BAD_INPUT,
+                         "%s is the name of a built-in engine: take another with --name", name);
 }
 
 static pl_status check(void *user, pl_error *error)

@@ -1,4 +1,4 @@
-/* Bullet 3.24 in double precision, through bullet_c.h.
+/* Bullet 3.24 in double precision, through bullet_c.cpp.
  *
  * si and nncg are Bullet's iterative solvers, with 10 iterations by default; dantzig and lemke give
  * each group of islands to a dense solver, which falls back to sequential impulse where it fails
@@ -15,8 +15,8 @@
  * nncg ends every sweep by a step along its search direction that is not bounded again (3.24,
  * btNNCGConstraintSolver.cpp), so that of several contact points one may be left pulling. */
 #include "adapters/native.h"
-#include "bullet_c.h"
 
 #include <bullet_description.h>
 
+PL_ENGINE_FUNCTIONS(bullet)
 PL_ENGINE(pl_engine_bullet, bullet)

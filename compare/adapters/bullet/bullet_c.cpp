@@ -1,4 +1,5 @@
-/* The only file that includes Bullet's headers. Read against the source of Bullet 3.24.
+/* Bullet's worlds, in the only file that includes Bullet's headers. No C++ exception passes through it.
+ * Read against the source of Bullet 3.24.
  *
  * Iterations and residual: btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyIterations
  * leaves both in m_analyticsData, a group of islands at a time; a derived solver reads them after
@@ -32,8 +33,6 @@
  * with the edges of another falls through it.
  *
  * Rolling and spinning friction are 0, Bullet's default. */
-#include "bullet_c.h"
-
 #include "adapters/native.h"
 
 #include <bullet_description.h>
@@ -57,6 +56,8 @@
 #error "Bullet must be used in double precision: pkg-config bullet-float64"
 #endif
 static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be used in double precision");
+
+PL_ENGINE_FUNCTIONS(bullet)
 
 namespace {
 
@@ -459,6 +460,8 @@ void add_forces(pl_engine_instance &instance, double dt)
 
 } // namespace
 
+/* The settings that Bullet's own constructors make, also those of a library that was built with others; for
+ * `recommended`, those of its sources. */
 void pl_bullet_defaults(int profile, double *values)
 {
     btContactSolverInfo info;
@@ -505,6 +508,7 @@ pl_status pl_bullet_create(const pl_engine_setup *setup, pl_engine_instance **ou
                    body->name, static_cast<int>(body->shape.kind));
 }
 
+/* Says how often a dense solver left islands to sequential impulse. */
 void pl_bullet_destroy(pl_engine_instance *instance)
 {
     const auto *dense =

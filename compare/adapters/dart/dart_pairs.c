@@ -11,30 +11,28 @@ void pl_dart_pairs_free(pl_dart_pairs *pairs)
     memset(pairs, 0, sizeof *pairs);
 }
 
-/* Which materials can touch: those of two different bodies that are not both static. */
-static bool find_touching(const pl_engine_setup *setup, pl_dart_pairs *pairs)
+/* Which materials can touch: those of two different bodies that are not both static. False: no memory. */
+static bool find_touching(const pl_scene *scene, pl_dart_pairs *pairs)
 {
-    const pl_scene *scene = setup->scene;
     const int count = pairs->material_count;
-    int *bodies = calloc((size_t)count, sizeof *bodies);
-    int *moving = calloc((size_t)count, sizeof *moving);
-    if (bodies != NULL && moving != NULL) {
-        for (int i = 0; i < scene->body_count; ++i) {
-            ++bodies[scene->bodies[i].material];
-            moving[scene->bodies[i].material] += scene->bodies[i].is_static ? 0 : 1;
-        }
-        for (int a = 0; a < count; ++a) {
-            for (int b = 0; b < count; ++b) {
-                pairs->touch[a * count + b] =
-                    a == b ? moving[a] > 0 && bodies[a] > 1
-                           : (moving[a] > 0 && bodies[b] > 0) || (moving[b] > 0 && bodies[a] > 0);
-            }
+    int *bodies = calloc(2 * (size_t)count + 1, sizeof *bodies);
+    if (bodies == NULL) {
+        return false;
+    }
+    int *moving = bodies + count;
+    for (int i = 0; i < scene->body_count; ++i) {
+        ++bodies[scene->bodies[i].material];
+        moving[scene->bodies[i].material] += scene->bodies[i].is_static ? 0 : 1;
+    }
+    for (int a = 0; a < count; ++a) {
+        for (int b = 0; b < count; ++b) {
+            pairs->touch[a * count + b] =
+                a == b ? moving[a] > 0 && bodies[a] > 1
+                       : (moving[a] > 0 && bodies[b] > 0) || (moving[b] > 0 && bodies[a] > 0);
         }
     }
-    const bool done = bodies != NULL && moving != NULL;
     free(bodies);
-    free(moving);
-    return done;
+    return true;
 }
 
 /* Stores for each material the largest friction of its pairs: if any numbers have these pairs as
@@ -94,7 +92,7 @@ pl_status pl_dart_pairs_of(const pl_engine_setup *setup, pl_dart_pairs *pairs)
     pairs->material_count = count;
     pairs->touch = calloc(squared + 1, sizeof *pairs->touch);
     pairs->stored = calloc(squared + 1, sizeof *pairs->stored);
-    if (pairs->touch == NULL || pairs->stored == NULL || !find_touching(setup, pairs)) {
+    if (pairs->touch == NULL || pairs->stored == NULL || !find_touching(setup->scene, pairs)) {
         pl_dart_pairs_free(pairs);
         return PL_NO_MEMORY;
     }

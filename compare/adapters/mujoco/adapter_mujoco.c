@@ -43,14 +43,6 @@ void pl_mujoco_defaults(int profile, double *values)
     engine_profile_values(profile, values);
 }
 
-void pl_mujoco_destroy(pl_engine_instance *instance)
-{
-    if (instance != NULL) {
-        pl_mujoco_unload(instance);
-        free(instance);
-    }
-}
-
 pl_status pl_mujoco_create(const pl_engine_setup *setup, pl_engine_instance **out, pl_error *error)
 {
     *out = NULL;

@@ -1,7 +1,6 @@
 #include "mjcf.h"
 
 #include "adapters/native.h"
-#include "mujoco_sizes.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -42,8 +41,12 @@ static double friction_of(const pl_scene *scene, int material_a, int material_b)
 
 /* ---- What MJCF cannot express ---- */
 
-static pl_status check_shapes(const mjcf_writer *w)
+static pl_status check_bodies(const mjcf_writer *w)
 {
+    if (w->scene->body_count > PL_MJCF_MAX_BODIES) {
+        return pl_fail(w->error, PL_UNSUPPORTED, "%d bodies; MuJoCo takes at most %d",
+                       w->scene->body_count, (int)PL_MJCF_MAX_BODIES);
+    }
     for (int i = 0; i < w->scene->body_count; ++i) {
         const pl_body *body = &w->scene->bodies[i];
         if (body->shape.kind == PL_SHAPE_MESH) {
@@ -125,16 +128,6 @@ static pl_status check_materials(mjcf_writer *w)
                        w->pairs, (int)PL_MJCF_MAX_PAIRS);
     }
     return status;
-}
-
-static pl_status check_scene(mjcf_writer *w)
-{
-    if (w->scene->body_count > PL_MJCF_MAX_BODIES) {
-        return pl_fail(w->error, PL_UNSUPPORTED, "%d bodies; MuJoCo takes at most %d",
-                       w->scene->body_count, (int)PL_MJCF_MAX_BODIES);
-    }
-    pl_status status = check_shapes(w);
-    return status == PL_OK ? check_materials(w) : status;
 }
 
 /* ---- Writing ---- */
@@ -357,38 +350,30 @@ static bool any_velocity(const pl_scene *scene)
 /* The poses of the keyframe are those of the bodies. */
 static void add_keyframe(const mjcf_writer *w)
 {
+    const pl_scene *scene = w->scene;
     int numbers = 0;
-    if (!any_velocity(w->scene)) {
+    if (!any_velocity(scene)) {
         return;
     }
-    pl_text_buffer text = {0};
-    for (int i = 0; i < w->scene->body_count; ++i) {
-        const pl_body *body = &w->scene->bodies[i];
-        double velocity[6];
-        if (body->is_static) {
-            continue;
-        }
-        pl_mjcf_velocity(body, velocity);
-        for (int k = 0; k < 6; ++k) {
-            pl_text_add(&text, numbers == 0 ? "" : " ");
-            pl_text_add_number(&text, velocity[k]);
-            ++numbers;
-        }
-    }
-    w->out->failed = w->out->failed || text.failed;
-    if (text.failed) {
-        pl_text_free(&text);
-        return;
+    for (int i = 0; i < scene->body_count; ++i) {
+        numbers += scene->bodies[i].is_static ? 0 : 6;
     }
     if (numbers > MOST_KEYFRAME_NUMBERS) {
         pl_text_format(w->out, "  <!-- without the velocities: MuJoCo 2.2 reads at most %d -->\n",
                        (int)MOST_KEYFRAME_NUMBERS);
-    } else {
-        pl_text_add(w->out, "  <keyframe>\n    <key name=\"start\" qvel=\"");
-        pl_text_add(w->out, text.data);
-        pl_text_add(w->out, "\"/>\n  </keyframe>\n");
+        return;
     }
-    pl_text_free(&text);
+    const char *separator = "  <keyframe>\n    <key name=\"start\" qvel=\"";
+    for (int i = 0; i < scene->body_count; ++i) {
+        double velocity[6];
+        pl_mjcf_velocity(&scene->bodies[i], velocity);
+        for (int k = 0; k < 6 && !scene->bodies[i].is_static; ++k) {
+            pl_text_add(w->out, separator);
+            pl_text_add_number(w->out, velocity[k]);
+            separator = " ";
+        }
+    }
+    pl_text_add(w->out, "\"/>\n  </keyframe>\n");
 }
 
 void pl_mjcf_velocity(const pl_body *body, double velocity[6])
@@ -402,7 +387,10 @@ void pl_mjcf_velocity(const pl_body *body, double velocity[6])
 pl_status pl_mjcf_write(const pl_scene *scene, pl_text_buffer *out, pl_error *error)
 {
     mjcf_writer w = {.scene = scene, .out = out, .error = error};
-    pl_status status = check_scene(&w);
+    pl_status status = check_bodies(&w);
+    if (status == PL_OK) {
+        status = check_materials(&w);
+    }
     if (status != PL_OK) {
         return status;
     }

@@ -32,12 +32,9 @@ static inline int pl_mujoco_body(const pl_engine_instance *instance, int body)
 /* ---- The model (mujoco_model.c) ---- */
 
 /* Loads the scene with the options of the setup into the instance. What it made is freed by
- * pl_mujoco_unload, also after a failure. */
+ * pl_mujoco_destroy, also after a failure. */
 pl_status pl_mujoco_load(const pl_engine_setup *setup, pl_engine_instance *instance,
                          pl_error *error);
-
-/* Frees what the instance holds. */
-void pl_mujoco_unload(pl_engine_instance *instance);
 
 /* Makes room for more contacts and keeps the state. PL_UNSUPPORTED: MuJoCo cannot hold more. */
 pl_status pl_mujoco_grow(pl_engine_instance *instance, pl_error *error);

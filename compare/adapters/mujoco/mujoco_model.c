@@ -2,7 +2,6 @@
 #include "mujoco_instance.h"
 
 #include "mjcf.h"
-#include "mujoco_sizes.h"
 
 #include <stdlib.h>
 
@@ -148,8 +147,11 @@ pl_status pl_mujoco_load(const pl_engine_setup *setup, pl_engine_instance *insta
     return status;
 }
 
-void pl_mujoco_unload(pl_engine_instance *instance)
+void pl_mujoco_destroy(pl_engine_instance *instance)
 {
+    if (instance == NULL) {
+        return;
+    }
     if (instance->data != NULL) {
         mj_deleteData(instance->data);
     }
@@ -158,7 +160,7 @@ void pl_mujoco_unload(pl_engine_instance *instance)
     }
     free(instance->geoms);
     free(instance->bodies);
-    memset(instance, 0, sizeof *instance);
+    free(instance);
 }
 
 pl_status pl_mujoco_grow(pl_engine_instance *instance, pl_error *error)

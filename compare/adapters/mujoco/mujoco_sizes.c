@@ -1,6 +1,6 @@
 /* The sums are upper bounds of those of mujoco/mjxmacro.h (MJDATA_POINTERS) and of the calls of
  * mj_stackAlloc in MuJoCo 2.2. */
-#include "mujoco_sizes.h"
+#include "mjcf.h"
 
 #include <limits.h>
 

@@ -101,7 +101,6 @@ void pl_ode_destroy(pl_engine_instance *instance)
     free(instance->bodies);
     free(instance->geoms);
     free(instance->contacts);
-    free(instance->feedback);
     free(instance->island);
     free(instance->rows);
     free(instance);
@@ -156,7 +155,6 @@ pl_status pl_ode_create(const pl_engine_setup *setup, pl_engine_instance **out, 
     if (instance == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for an ode world");
     }
-    pl_status status = PL_OK;
     size_t count = (size_t)scene->body_count + 1;
     instance->setup = setup;
     instance->scene = scene;
@@ -168,23 +166,22 @@ pl_status pl_ode_create(const pl_engine_setup *setup, pl_engine_instance **out, 
     instance->rows = calloc(count, sizeof *instance->rows);
     if (instance->bodies == NULL || instance->geoms == NULL || instance->solids == NULL ||
         instance->island == NULL || instance->rows == NULL) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory for %d ode bodies", scene->body_count);
-        goto cleanup;
+        pl_ode_destroy(instance);
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d ode bodies", scene->body_count);
     }
-    status = make_world(instance, values, error);
+    pl_status status = make_world(instance, values, error);
     for (int i = 0; status == PL_OK && i < scene->polyhedron_count; ++i) {
         status = pl_ode_make_solid(scene->polyhedra[i], &instance->solids[i], error);
     }
     for (int i = 0; status == PL_OK && i < scene->body_count; ++i) {
         status = add_body(instance, i, error);
     }
-    if (status == PL_OK) {
-        *out = instance;
-        instance = NULL;
+    if (status != PL_OK) {
+        pl_ode_destroy(instance);
+        return status;
     }
-cleanup:
-    pl_ode_destroy(instance);
-    return status;
+    *out = instance;
+    return PL_OK;
 }
 
 static void add_forces(const pl_engine_instance *instance, double dt)
@@ -218,7 +215,7 @@ pl_status pl_ode_step(pl_engine_instance *instance, double dt, pl_step_stats *st
                        instance->contact_count);
     }
     for (int i = 0; i < instance->contact_count; ++i) {
-        dJointSetFeedback(instance->contacts[i].joint, &instance->feedback[i]);
+        dJointSetFeedback(instance->contacts[i].joint, &instance->contacts[i].feedback);
     }
     add_forces(instance, dt);
     if (instance->profile == PROFILE_DANTZIG) {

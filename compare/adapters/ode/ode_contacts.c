@@ -4,35 +4,15 @@
 
 #include "ode_instance.h"
 
+#include "base/array.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static bool is_solid(dGeomID geom)
 {
     int class = dGeomGetClass(geom);
     return class == dConvexClass || class == dTriMeshClass;
-}
-
-static bool reserve_contacts(pl_engine_instance *instance, int more)
-{
-    if (instance->contact_count + more <= instance->contact_capacity) {
-        return true;
-    }
-    int capacity = 2 * instance->contact_capacity + more;
-    ode_contact *contacts = realloc(instance->contacts, (size_t)capacity * sizeof *contacts);
-    if (contacts != NULL) {
-        instance->contacts = contacts;
-    }
-    dJointFeedback *feedback = realloc(instance->feedback, (size_t)capacity * sizeof *feedback);
-    if (feedback != NULL) {
-        instance->feedback = feedback;
-    }
-    if (contacts == NULL || feedback == NULL) {
-        return false;
-    }
-    instance->contact_capacity = capacity;
-    return true;
 }
 
 dSurfaceParameters pl_ode_surface(const pl_engine_instance *instance, int body_a, int body_b)
@@ -57,7 +37,9 @@ void pl_ode_collide_pair(void *data, dGeomID a, dGeomID b)
         return;
     }
     int most = is_solid(a) || is_solid(b) ? instance->solid_contacts : instance->max_contacts;
-    if (!reserve_contacts(instance, most)) {
+    if (pl_array_reserve(&instance->contacts, &instance->contact_capacity,
+                         instance->contact_count + most, sizeof *instance->contacts,
+                         NULL) != PL_OK) {
         instance->out_of_memory = true;
         return;
     }
@@ -143,7 +125,7 @@ int pl_ode_read_contacts(const pl_engine_instance *instance, pl_contact *contact
         const double sign = instance->bodies[first] != NULL ? 1 : -1;
         double impulse[3];
         for (int k = 0; k < 3; ++k) {
-            impulse[k] = sign * instance->feedback[i].f1[k] * instance->last_dt;
+            impulse[k] = sign * instance->contacts[i].feedback.f1[k] * instance->last_dt;
         }
         pl_set_contact(&contacts[i], first, second, geom->pos, geom->normal, -geom->depth, impulse);
     }

@@ -17,6 +17,7 @@ PL_ENGINE_FUNCTIONS(ode)
 typedef struct ode_contact {
     dContactGeom geom;
     dJointID joint;
+    dJointFeedback feedback;
 } ode_contact;
 
 /* A scene loaded into ODE: its bodies and shapes, and the contact points of the last step. */
@@ -33,7 +34,6 @@ struct pl_engine_instance {
     double time, last_dt; /* s */
 
     ode_contact *contacts; /* (contact_capacity) */
-    dJointFeedback *feedback;
     int contact_count, contact_capacity;
     bool out_of_memory;
 

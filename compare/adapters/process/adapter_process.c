@@ -3,7 +3,6 @@
 #include "base/array.h"
 #include "base/json_field.h"
 #include "channel.h"
-#include "create_request.h"
 #include "hello.h"
 
 #include <limits.h>
@@ -57,6 +56,18 @@ static int contact_numbers(void)
                                ((reported & PL_CONTACTS_TORQUES) != 0 ? 3 : 0);
 }
 
+/* Sets *object to the object at `key`; NULL: there is none, or null. */
+static bool find_object(const json_t *answer, const char *key, json_t **object,
+                        pl_diagnostic *diagnostic)
+{
+    json_t *found = json_object_get(answer, key);
+    char text[PL_FOUND_SIZE];
+    *object = json_is_object(found) ? found : NULL;
+    return found == NULL || json_is_null(found) || json_is_object(found) ||
+           pl_diagnose_field(diagnostic, key, "expected an object, found %s",
+                             pl_json_found(found, text));
+}
+
 static bool read_bodies(const json_t *answer, pl_engine_instance *instance,
                         pl_diagnostic *diagnostic)
 {
@@ -92,11 +103,9 @@ static bool read_contact_list(const json_t *answer, pl_engine_instance *instance
         return pl_diagnose_field(diagnostic, "contacts",
                                  "expected a multiple of %d numbers, found %ld", width, count);
     }
-    pl_error error;
     instance->contact_count = (int)(count / width);
-    if (instance->contact_count > instance->contact_capacity &&
-        pl_array_reserve(&instance->contacts, &instance->contact_capacity, instance->contact_count,
-                         (size_t)width * sizeof *instance->contacts, &error) != PL_OK) {
+    if (pl_array_reserve(&instance->contacts, &instance->contact_capacity, instance->contact_count,
+                         (size_t)width * sizeof *instance->contacts, NULL) != PL_OK) {
         return pl_diagnose_no_memory(diagnostic);
     }
     return pl_channel_numbers(&program.channel, answer, "contacts", instance->contacts, count,
@@ -143,11 +152,9 @@ static void process_destroy(pl_engine_instance *instance)
 static bool read_created(const json_t *answer, void *user, pl_diagnostic *diagnostic)
 {
     pl_engine_instance *instance = user;
-    json_t *settings = json_object_get(answer, "settings");
-    char found[PL_FOUND_SIZE];
-    if (settings != NULL && !json_is_null(settings) && !json_is_object(settings)) {
-        return pl_diagnose_field(diagnostic, "settings", "expected an object, found %s",
-                                 pl_json_found(settings, found));
+    json_t *settings;
+    if (!find_object(answer, "settings", &settings, diagnostic)) {
+        return false;
     }
     const json_t *substeps = json_object_get(settings, "substeps");
     const double number = json_number_value(substeps);
@@ -155,7 +162,7 @@ static bool read_created(const json_t *answer, void *user, pl_diagnostic *diagno
         pl_path_push_key(&diagnostic->path, "settings");
         return pl_check_number(diagnostic, "substeps", number, false, "an integer");
     }
-    instance->settings = json_is_object(settings) ? json_incref(settings) : NULL;
+    instance->settings = json_incref(settings);
     return true;
 }
 
@@ -213,8 +220,7 @@ typedef struct step_answer {
 
 static bool read_stats(const json_t *answer, pl_step_stats *stats, pl_diagnostic *diagnostic)
 {
-    const json_t *object = json_object_get(answer, "stats");
-    char found[PL_FOUND_SIZE];
+    json_t *object;
     const struct {
         const char *key;
         double *value;
@@ -222,15 +228,12 @@ static bool read_stats(const json_t *answer, pl_step_stats *stats, pl_diagnostic
                    {"contacts", &stats->contacts},         {"islands", &stats->islands},
                    {"time_collide", &stats->time_collide}, {"time_solve", &stats->time_solve},
                    {"time_other", &stats->time_other}};
-    if (object != NULL && !json_is_null(object) && !json_is_object(object)) {
-        return pl_diagnose_field(diagnostic, "stats", "expected an object, found %s",
-                                 pl_json_found(object, found));
+    if (!find_object(answer, "stats", &object, diagnostic)) {
+        return false;
     }
     for (size_t i = 0; i < sizeof members / sizeof *members; ++i) {
-        if (json_is_null(json_object_get(object, members[i].key))) {
-            continue;
-        }
-        if (!pl_json_number(object, members[i].key, PL_OPTIONAL, members[i].value, diagnostic)) {
+        if (!json_is_null(json_object_get(object, members[i].key)) &&
+            !pl_json_number(object, members[i].key, PL_OPTIONAL, members[i].value, diagnostic)) {
             return false;
         }
     }

@@ -7,6 +7,7 @@
 
 #include "base/diagnostic.h"
 #include "base/text_buffer.h"
+#include "plumb/engine_abi.h"
 
 #include <jansson.h>
 #include <sys/types.h>
@@ -45,6 +46,11 @@ double pl_cpu_time_of(pid_t pid);
 
 /* Begins the request of that name. Members are added to the result, each with a comma before it. */
 pl_text_buffer *pl_channel_begin(pl_channel *channel, const char *name);
+
+/* Adds the members of the request `create` (create_request.c): a scene with every number that an engine needs,
+ * and the options of `engine` with the values of the setup. Out of memory: out->failed. */
+void pl_create_request_add(pl_text_buffer *out, const pl_engine_setup *setup,
+                           const pl_engine *engine);
 
 /* Sends the request and waits for the answer, which `read` gets, if it is not NULL. `what` is what messages call the
  * request. PL_UNSUPPORTED: the program refuses, with its own reason. PL_BAD_INPUT: a member of the

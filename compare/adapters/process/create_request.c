@@ -1,5 +1,7 @@
-#include "create_request.h"
+/* The request `create` of the protocol plumb.engine/1. */
+#include "channel.h"
 
+#include "adapters/native.h"
 #include "plumb/scene.h"
 
 #include <stdlib.h>
@@ -34,23 +36,7 @@ static void separate(pl_text_buffer *out, int index)
     pl_text_add(out, index > 0 ? "," : "");
 }
 
-/* The index of a solid in the scene. Bodies often have that of the body before or the next one: the
- * search begins at *from, which becomes the index. */
-static int find_solid(const pl_scene *scene, const pl_polyhedron *solid, int *from)
-{
-    const int count = scene->polyhedron_count;
-    for (int i = 0; i < count; ++i) {
-        const int index = (*from + i) % count;
-        if (scene->polyhedra[index] == solid) {
-            *from = index;
-            return index;
-        }
-    }
-    return -1;
-}
-
-static void add_shape(pl_text_buffer *out, const pl_scene *scene, const pl_shape *shape,
-                      int *last_solid)
+static void add_shape(pl_text_buffer *out, const pl_scene *scene, const pl_shape *shape)
 {
     pl_text_format(out, "{\"type\":\"%s\"", shape_types[shape->kind]);
     switch (shape->kind) {
@@ -71,7 +57,7 @@ static void add_shape(pl_text_buffer *out, const pl_scene *scene, const pl_shape
         break;
     case PL_SHAPE_HULL:
     case PL_SHAPE_MESH:
-        add_member(out, "solid", find_solid(scene, shape->polyhedron, last_solid));
+        add_member(out, "solid", pl_polyhedron_index(scene, shape->polyhedron));
         break;
     }
     pl_text_add(out, "}");
@@ -132,7 +118,7 @@ static bool list_forces(const pl_scene *scene, force_lists *lists)
 }
 
 static void add_body(pl_text_buffer *out, const pl_scene *scene, int index,
-                     const force_lists *forces, int *last_solid)
+                     const force_lists *forces)
 {
     const pl_body *body = &scene->bodies[index];
     static const double zero[3] = {0, 0, 0};
@@ -141,7 +127,7 @@ static void add_body(pl_text_buffer *out, const pl_scene *scene, int index,
     add_key(out, "static");
     pl_text_add(out, body->is_static ? "true" : "false");
     add_key(out, "shape");
-    add_shape(out, scene, &body->shape, last_solid);
+    add_shape(out, scene, &body->shape);
     add_member(out, "mass", body->is_static ? 0 : body->mass);
     add_vector(out, "inertia", body->is_static ? zero : body->inertia, 3);
     add_vector(out, "position", body->position, 3);
@@ -194,7 +180,6 @@ static void add_options(pl_text_buffer *out, const pl_engine_setup *setup, const
 static void add_bodies(pl_text_buffer *out, const pl_scene *scene)
 {
     force_lists forces = {.first = NULL};
-    int last_solid = 0;
     if (!list_forces(scene, &forces)) {
         out->failed = true;
     } else {
@@ -202,7 +187,7 @@ static void add_bodies(pl_text_buffer *out, const pl_scene *scene)
         pl_text_add(out, "[");
         for (int i = 0; i < scene->body_count; ++i) {
             separate(out, i);
-            add_body(out, scene, i, &forces, &last_solid);
+            add_body(out, scene, i, &forces);
         }
         pl_text_add(out, "]");
     }

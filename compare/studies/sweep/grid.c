@@ -167,14 +167,8 @@ static pl_status check_name(const char *what, const char *word, bool may_be, nam
 
 static bool is_absent_engine(const char *name)
 {
-    int count = 0;
-    const pl_built_in *known = pl_built_in_engines(&count);
-    for (int i = 0; i < count; ++i) {
-        if (strcmp(known[i].name, name) == 0) {
-            return !pl_built_in_is_present(&known[i]);
-        }
-    }
-    return false;
+    const pl_built_in *known = pl_built_in_find(name);
+    return known != NULL && !pl_built_in_is_present(known);
 }
 
 /* Fails for a key that no case and no engine has. */
