@@ -66,14 +66,19 @@ void pl_table_add(pl_table *table, const char *text)
     pl_push(&table->cells, &table->cell_count, &cell, sizeof cell);
 }
 
+static void add_list(pl_table *table, const char *format, va_list arguments)
+{
+    char *text = pl_heap_format_list(format, arguments);
+    pl_table_add(table, text);
+    free(text);
+}
+
 void pl_table_format_cell(pl_table *table, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    char *text = pl_heap_format_list(format, arguments);
+    add_list(table, format, arguments);
     va_end(arguments);
-    pl_table_add(table, text);
-    free(text);
 }
 
 void pl_table_number(pl_table *table, double value, int digits)
@@ -91,9 +96,12 @@ void pl_table_add_markup(pl_table *table, const char *markup)
     table->cells[table->cell_count - 1].is_markup = true;
 }
 
-void pl_table_add_span(pl_table *table, const char *text)
+void pl_table_add_span(pl_table *table, const char *format, ...)
 {
-    pl_table_add(table, text);
+    va_list arguments;
+    va_start(arguments, format);
+    add_list(table, format, arguments);
+    va_end(arguments);
     table->cells[table->cell_count - 1].is_span = true;
     while (table->cell_count % table->column_count != 0) {
         pl_table_add(table, "");

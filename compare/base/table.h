@@ -85,8 +85,11 @@ void pl_table_number(pl_table *table, double value, int digits);
 /* Adds a cell that is already Markdown, and is not escaped when written as such. */
 void pl_table_add_markup(pl_table *table, const char *markup);
 
-/* Adds a cell that takes the rest of its row. */
-void pl_table_add_span(pl_table *table, const char *text);
+/* Adds a cell that takes the rest of its row, formatted as printf does. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void pl_table_add_span(pl_table *table, const char *format, ...);
 
 /* Sets the style of the last cell, which there is, borrowed: its colour in text is "ok" green, "poor" yellow, "bad" red,
  * "none" faint; NULL or another: none. */

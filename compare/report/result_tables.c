@@ -105,12 +105,10 @@ static void add_case_heading(const pl_result_case *test_case, pl_table *table)
     const char *primary = test_case->row->primary_error;
     char bound[PL_QUANTITY_SIZE];
     const bool is_bounded = isfinite(pl_case_bound(test_case, bound));
-    char *text = pl_heap_format("%s%s%s%s%s%s%s", test_case->name, title != NULL ? ": " : "",
-                                title != NULL ? title : "",
-                                primary[0] != '\0' ? "; error = " : "; no reference", primary,
-                                is_bounded ? ", accurate up to " : "", is_bounded ? bound : "");
-    pl_table_add_span(table, text);
-    free(text);
+    pl_table_add_span(table, "%s%s%s%s%s%s%s", test_case->name, title != NULL ? ": " : "",
+                      title != NULL ? title : "",
+                      primary[0] != '\0' ? "; error = " : "; no reference", primary,
+                      is_bounded ? ", accurate up to " : "", is_bounded ? bound : "");
 }
 
 void pl_section_cases(const pl_result_table *results, pl_document *document)

@@ -285,8 +285,7 @@ static void set_number(json_t *object, const char *name, double value, bool inte
                         integer ? json_integer((json_int_t)value) : pl_json_number_or_null(value));
 }
 
-/* The time step and the duration of a scene file are no parameters, unless they were given. */
-static json_t *params_json(const pl_case *test_case)
+json_t *pl_plan_case_params(const pl_case *test_case)
 {
     json_t *params = json_object();
     for (int i = 0; i < test_case->descriptor->param_count; ++i) {
@@ -347,9 +346,9 @@ json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run)
     json_t *label = pl_json_text(run->configuration->label);
     json_t *identity =
         json_pack("{s:o, s:o, s:s, s:s, s:s, s:s, s:s, s:o, s:I, s:i}", "scenario",
-                  pl_json_text(test_case->name), "params", params_json(test_case), "scene_hash",
-                  test_case->scene_hash, "engine", engine->name, "engine_version", engine->version,
-                  "engine_binary", engine->binary, "profile", profile, "settings",
+                  pl_json_text(test_case->name), "params", pl_plan_case_params(test_case),
+                  "scene_hash", test_case->scene_hash, "engine", engine->name, "engine_version",
+                  engine->version, "engine_binary", engine->binary, "profile", profile, "settings",
                   settings_json(&test_case->scene, choice), "seed", (json_int_t)plan->seed,
                   "repeat", run->repeat);
     if (test_case->variation.is_member) {

@@ -109,6 +109,10 @@ typedef struct pl_planned_run {
 /* The run with that index, 0 to pl_plan_size() - 1. */
 pl_planned_run pl_plan_run(const pl_plan *plan, long index);
 
+/* The parameters of a case by name, a new object. The time step and the duration of a scene file are none, unless they
+ * were given. */
+json_t *pl_plan_case_params(const pl_case *test_case);
+
 /* The keys of a result from `scenario` to `repeat`, `engine_spec`, `threads`, `as_shipped` and `conformance`, and
  * `run`: the hash of those that identify the run. A new reference. */
 json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run);

@@ -2,15 +2,6 @@
 
 #include <math.h>
 
-pl_bisection pl_bisection_begin(const pl_threshold *threshold)
-{
-    return (pl_bisection){.low = threshold->low,
-                          .high = threshold->high,
-                          .tolerance = threshold->tolerance,
-                          .holds_below = threshold->holds_below,
-                          .either_side = threshold->either_side};
-}
-
 pl_bisection pl_bisection_least(long fails, long holds)
 {
     const bool is_narrow = holds - fails <= 1;

@@ -2,7 +2,7 @@
 #ifndef PLUMB_BISECTION_H
 #define PLUMB_BISECTION_H
 
-#include "plumb/scenario.h"
+#include <stdbool.h>
 
 /* Whether a bisection goes on, and how it ended. */
 typedef enum pl_bisection_state {
@@ -13,7 +13,7 @@ typedef enum pl_bisection_state {
     PL_BISECTION_REVERSED      /* only at the end where it should fail */
 } pl_bisection_state;
 
-/* A bisection. */
+/* A bisection. It begins with the members up to `either_side`, and all others zero. */
 typedef struct pl_bisection {
     double low, high; /* the bracket so far */
     double tolerance; /* of the bracket's width, > 0; 1 of whole numbers */
@@ -24,9 +24,6 @@ typedef struct pl_bisection {
     bool low_holds; /* defined once trials > 0 */
     pl_bisection_state state;
 } pl_bisection;
-
-/* Begins a search in the bracket and with the tolerance of a threshold. */
-pl_bisection pl_bisection_begin(const pl_threshold *threshold);
 
 /* Begins a search for the least whole number above `fails` that holds, up to `holds`; neither end is tried. */
 pl_bisection pl_bisection_least(long fails, long holds);

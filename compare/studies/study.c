@@ -75,11 +75,17 @@ void pl_study_add_groups(pl_document *document, const json_t *items, const char 
     json_decref(groups);
 }
 
-static void copy_keys(json_t *row, const json_t *result, const char *const *keys)
+void pl_study_copy(json_t *to, const json_t *from, const char *const *keys)
 {
     for (; *keys != NULL; ++keys) {
-        json_object_set(row, *keys, json_object_get(result, *keys));
+        json_object_set(to, *keys, json_object_get(from, *keys));
     }
+}
+
+bool pl_study_ended(const json_t *result)
+{
+    const char *outcome = pl_json_get_text(result, "outcome");
+    return strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0;
 }
 
 json_t *pl_study_row(const json_t *result, const char *const *more)
@@ -90,8 +96,8 @@ json_t *pl_study_row(const json_t *result, const char *const *more)
         "label",       "settings", "seed",           "primary_error",  "acceptance",
         "conformance", NULL};
     json_t *row = json_object();
-    copy_keys(row, result, shared);
-    copy_keys(row, result, more);
+    pl_study_copy(row, result, shared);
+    pl_study_copy(row, result, more);
     return row;
 }
 

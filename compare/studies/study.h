@@ -56,6 +56,12 @@ json_t *pl_study_groups(const json_t *items, const char *const *paths);
 void pl_study_add_groups(pl_document *document, const json_t *items, const char *const *paths,
                          void (*add)(pl_document *document, const json_t *group));
 
+/* Copies these keys (up to a NULL) of an object to another; absent ones are left out. */
+void pl_study_copy(json_t *to, const json_t *from, const char *const *keys);
+
+/* Whether the run of a result came to its end, as expected or collapsed. */
+bool pl_study_ended(const json_t *result);
+
 /* A new object with what a result says of its scene, its engine and its settings: the keys that all runs of a search
  * share, and the keys `more` (up to a NULL). */
 json_t *pl_study_row(const json_t *result, const char *const *more);

@@ -8,49 +8,29 @@
 
 const pl_variant pl_variant_none = {"as asked for", PL_VARIANT_NONE, 0};
 
-#define OFFSET(k)                                                                                  \
-    {                                                                                              \
-        "offset=0.01, seed + " #k, PL_VARIANT_OFFSET, k                                            \
-    }
-#define DRAWN(k)                                                                                   \
-    {                                                                                              \
-        "parameters within 1 %, draw " #k, PL_VARIANT_DRAWN, k                                     \
-    }
-#define LARGER                                                                                     \
-    {                                                                                              \
-        "n one larger", PL_VARIANT_LARGER, 0                                                       \
-    }
-#define SMALLER                                                                                    \
-    {                                                                                              \
-        "n one smaller", PL_VARIANT_SMALLER, 0                                                     \
-    }
-#define FRICTION_UP                                                                                \
-    {                                                                                              \
-        "friction up by a last bit", PL_VARIANT_FRICTION_UP, 0                                     \
-    }
-#define FRICTION_DOWN                                                                              \
-    {                                                                                              \
-        "friction down by a last bit", PL_VARIANT_FRICTION_DOWN, 0                                 \
-    }
+#define OFFSET(k) "offset=0.01, seed + " #k, PL_VARIANT_OFFSET, k
+#define DRAWN(k) "parameters within 1 %, draw " #k, PL_VARIANT_DRAWN, k
+#define LARGER "n one larger", PL_VARIANT_LARGER, 0
+#define SMALLER "n one smaller", PL_VARIANT_SMALLER, 0
+#define FRICTION_UP "friction up by a last bit", PL_VARIANT_FRICTION_UP, 0
+#define FRICTION_DOWN "friction down by a last bit", PL_VARIANT_FRICTION_DOWN, 0
 
 /* The variants that fail most often come first, because the others are then not run. */
-static const pl_variant tuned_on[] = {LARGER,   OFFSET(1), DRAWN(1),  OFFSET(4),
-                                      DRAWN(4), OFFSET(5), OFFSET(6), FRICTION_UP};
-static const pl_variant chosen_by[] = {OFFSET(7), DRAWN(7),   OFFSET(8), DRAWN(8),   OFFSET(9),
-                                       DRAWN(9),  OFFSET(10), DRAWN(10), OFFSET(11), OFFSET(12)};
-static const pl_variant held_out[] = {FRICTION_DOWN, SMALLER,  OFFSET(2),
-                                      OFFSET(3),     DRAWN(2), DRAWN(3)};
-static const pl_variant swept[] = {LARGER,  FRICTION_UP, DRAWN(1), FRICTION_DOWN,
-                                   SMALLER, DRAWN(2),    DRAWN(3)};
+static const pl_variant tuned_on[] = {{LARGER},   {OFFSET(1)}, {DRAWN(1)},  {OFFSET(4)},
+                                      {DRAWN(4)}, {OFFSET(5)}, {OFFSET(6)}, {FRICTION_UP}};
+static const pl_variant chosen_by[] = {{OFFSET(7)},  {DRAWN(7)},  {OFFSET(8)},  {DRAWN(8)},
+                                       {OFFSET(9)},  {DRAWN(9)},  {OFFSET(10)}, {DRAWN(10)},
+                                       {OFFSET(11)}, {OFFSET(12)}};
+static const pl_variant held_out[] = {{FRICTION_DOWN}, {SMALLER},  {OFFSET(2)},
+                                      {OFFSET(3)},     {DRAWN(2)}, {DRAWN(3)}};
+static const pl_variant swept[] = {{LARGER},  {FRICTION_UP}, {DRAWN(1)}, {FRICTION_DOWN},
+                                   {SMALLER}, {DRAWN(2)},    {DRAWN(3)}};
 
-#define LIST(items)                                                                                \
-    {                                                                                              \
-        (items), sizeof(items) / sizeof(items)[0]                                                  \
-    }
-const pl_variants pl_variants_tuned_on = LIST(tuned_on);
-const pl_variants pl_variants_chosen_by = LIST(chosen_by);
-const pl_variants pl_variants_held_out = LIST(held_out);
-const pl_variants pl_variants_swept = LIST(swept);
+#define LIST(items) (items), sizeof(items) / sizeof(items)[0]
+const pl_variants pl_variants_tuned_on = {LIST(tuned_on)};
+const pl_variants pl_variants_chosen_by = {LIST(chosen_by)};
+const pl_variants pl_variants_held_out = {LIST(held_out)};
+const pl_variants pl_variants_swept = {LIST(swept)};
 
 /* The time step and the duration are not drawn: they are not part of the scene. */
 static bool is_drawn(const pl_param *param, double value)

@@ -18,9 +18,7 @@ static bool holds(const fake *f, double value)
 static pl_bisection search(const fake *f, double low, double high, bool holds_below,
                            double tolerance)
 {
-    const pl_threshold threshold = {
-        .low = low, .high = high, .holds_below = holds_below, .tolerance = tolerance};
-    pl_bisection b = pl_bisection_begin(&threshold);
+    pl_bisection b = {.low = low, .high = high, .holds_below = holds_below, .tolerance = tolerance};
     const int most = pl_bisection_most_trials(&b);
     while (b.state == PL_BISECTION_SEARCHING) {
         double value = pl_bisection_next(&b);
@@ -55,9 +53,8 @@ static void test_side_is_learnt_where_it_is_not_known(void **state)
     (void)state;
     for (int below = 0; below < 2; ++below) {
         const fake f = {.critical = 0.3, .holds_below = below};
-        const pl_threshold threshold = {
+        pl_bisection b = {
             .low = 0, .high = 1, .holds_below = !below, .either_side = true, .tolerance = 1e-3};
-        pl_bisection b = pl_bisection_begin(&threshold);
         while (b.state == PL_BISECTION_SEARCHING) {
             pl_bisection_take(&b, holds(&f, pl_bisection_next(&b)));
         }

@@ -16,8 +16,7 @@ pl_scene transformed(const pl_transform *transform, const pl_scene *from)
 pl_transform transform_of(const pl_check *check, const pl_scene *scene)
 {
     pl_transform transform;
-    const char *reason = NULL;
-    if (!pl_check_transform(check, scene, &transform, &reason)) {
+    if (pl_check_transform(check, scene, &transform) != NULL) {
         transform = pl_transform_identity();
     }
     return transform;

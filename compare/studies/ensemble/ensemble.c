@@ -4,17 +4,6 @@
 #include "plumb/jitter.h"
 #include "sample.h"
 
-/* The parameters of a case. */
-static json_t *params_of(const pl_plan *plan, const pl_case *test_case)
-{
-    const pl_planned_run planned = {.test_case = test_case,
-                                    .configuration = &plan->configurations[0]};
-    json_t *identity = pl_planned_run_identity(plan, &planned);
-    json_t *params = json_incref(json_object_get(identity, "params"));
-    json_decref(identity);
-    return params;
-}
-
 void pl_ensemble_mark(const pl_ensembles *ensembles, const char *const *against, pl_plan *plan)
 {
     for (int i = 0; i < ensembles->count; ++i) {
@@ -23,7 +12,7 @@ void pl_ensemble_mark(const pl_ensembles *ensembles, const char *const *against,
         /* The plan begins with the scenes as asked for. */
         json_t *study = json_pack(
             "{s:s, s:o, s:i, s:o, s:b}", "name", "ensemble", "case",
-            params_of(plan, &plan->cases[e->test_case]), "setting", e->setting, "against",
+            pl_plan_case_params(&plan->cases[e->test_case]), "setting", e->setting, "against",
             text == NULL ? json_null() : pl_json_text(text), "converged", (int)e->reference);
         for (int k = 0; k < ensembles->members; ++k) {
             pl_case *test_case = &plan->cases[pl_member_case(ensembles, e, k)];

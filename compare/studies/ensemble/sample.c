@@ -15,15 +15,6 @@ bool pl_is_observable(int metric)
     return pl_metric_table[metric].more[0] != NULL;
 }
 
-int pl_observable_count(void)
-{
-    int count = 0;
-    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
-        count += pl_is_observable(i);
-    }
-    return count;
-}
-
 /* Sets the mean and the standard deviation of the values. */
 static void summarise(pl_sample *sample)
 {
@@ -112,7 +103,7 @@ void pl_observations_gather(const json_t *results, pl_observations *observed)
         const char *outcome = pl_json_get_text(result, "outcome");
         count(observed->outcomes, outcome, true);
         check_invariants(observed->invariants, result, outcome);
-        if (strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0) {
+        if (pl_study_ended(result)) {
             add_values(observed, result);
         }
     }

@@ -10,9 +10,6 @@
 /* Whether ensembles are compared by the metric. */
 bool pl_is_observable(int metric);
 
-/* How many such metrics there are. */
-int pl_observable_count(void);
-
 /* The values of one metric by which ensembles are compared, of the members that ran to their end. */
 typedef struct pl_sample {
     double *values; /* (count), by member */

@@ -24,13 +24,16 @@ static bool comparable(const pl_ensemble *a, const pl_ensemble *b)
 
 int pl_verdicts_planned(const pl_ensembles *ensembles)
 {
-    int pairs = 0;
+    int pairs = 0, observables = 0;
     for (int a = 0; a < ensembles->count; ++a) {
         for (int b = a + 1; b < ensembles->count; ++b) {
             pairs += comparable(&ensembles->items[a], &ensembles->items[b]);
         }
     }
-    return pairs * pl_observable_count();
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        observables += pl_is_observable(i);
+    }
+    return pairs * observables;
 }
 
 pl_status pl_verdicts_possible(const pl_ensembles *ensembles, pl_error *error)

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-static const pl_check checks[] = {
+const pl_check pl_checks[PL_CHECK_COUNT] = {
     {"again", "again", PL_CHECK_AGAIN, 0, 0},
     {"rotate-z90", "rotate", PL_CHECK_ROTATE, 2, 2},
     {"rotate-z45", "rotate", PL_CHECK_ROTATE, 1, 2},
@@ -31,22 +31,15 @@ static const pl_check checks[] = {
     {"late-0.5", "late", PL_CHECK_LATE, 0.5, 0},
     {"late-0.75", "late", PL_CHECK_LATE, 0.75, 0},
 };
-enum { CHECK_COUNT = sizeof checks / sizeof checks[0] };
-
-const pl_check *pl_checks(int *count)
-{
-    *count = CHECK_COUNT;
-    return checks;
-}
 
 static pl_status choose(const char *name, bool *chosen, pl_error *error)
 {
-    const char *names[2 * CHECK_COUNT];
+    const char *names[2 * PL_CHECK_COUNT];
     bool found = false;
-    for (int i = 0; i < CHECK_COUNT; ++i) {
-        names[2 * i] = checks[i].name;
-        names[2 * i + 1] = checks[i].family;
-        if (strcmp(name, checks[i].name) == 0 || strcmp(name, checks[i].family) == 0) {
+    for (int i = 0; i < PL_CHECK_COUNT; ++i) {
+        names[2 * i] = pl_checks[i].name;
+        names[2 * i + 1] = pl_checks[i].family;
+        if (strcmp(name, pl_checks[i].name) == 0 || strcmp(name, pl_checks[i].family) == 0) {
             chosen[i] = true;
             found = true;
         }
@@ -54,7 +47,7 @@ static pl_status choose(const char *name, bool *chosen, pl_error *error)
     if (found) {
         return PL_OK;
     }
-    const char *nearest = pl_nearest_name(name, names, 2 * CHECK_COUNT);
+    const char *nearest = pl_nearest_name(name, names, 2 * PL_CHECK_COUNT);
     return pl_fail(error, PL_BAD_INPUT,
                    "unknown check \"%s\"%s%s%s; there are again, rotate, mirror, order, far, "
                    "scale, shift, restart, split, tessellate and late",
@@ -65,16 +58,16 @@ static pl_status choose(const char *name, bool *chosen, pl_error *error)
 pl_status pl_checks_choose(const char *const *names, int count, bool **chosen, pl_error *error)
 {
     pl_status status = PL_OK;
-    *chosen = pl_heap_new(CHECK_COUNT, sizeof **chosen);
-    memset(*chosen, count == 0, CHECK_COUNT * sizeof **chosen);
+    *chosen = pl_heap_new(PL_CHECK_COUNT, sizeof **chosen);
+    memset(*chosen, count == 0, PL_CHECK_COUNT * sizeof **chosen);
     for (int i = 0; i < count && status == PL_OK; ++i) {
         status = choose(names[i], *chosen, error);
     }
     return status;
 }
 
-bool pl_check_transform(const pl_check *check, const pl_scene *scene, pl_transform *transform,
-                        const char **reason)
+const char *pl_check_transform(const pl_check *check, const pl_scene *scene,
+                               pl_transform *transform)
 {
     *transform = pl_transform_identity();
     switch (check->kind) {
@@ -91,16 +84,16 @@ bool pl_check_transform(const pl_check *check, const pl_scene *scene, pl_transfo
         transform->order = (pl_body_order)check->amount;
         break;
     case PL_CHECK_FAR:
-        *reason = "planes stand in all directions: a far copy would meet them";
         transform->has_copy = pl_far_offset(scene, check->amount, transform->copy_offset);
-        return transform->has_copy;
+        return transform->has_copy ? NULL
+                                   : "planes stand in all directions: a far copy would meet them";
     case PL_CHECK_MIRROR:
         *transform = pl_transform_mirror();
         break;
     default:
         break;
     }
-    return true;
+    return NULL;
 }
 
 /* The scene with its static boxes divided, if there are any, and no more than can be. */
@@ -122,10 +115,8 @@ static pl_status divide(const pl_check *check, const pl_scene *plain, pl_scene *
 pl_status pl_check_scene(const pl_check *check, const pl_scene *plain, pl_transform *transform,
                          pl_scene *scene, const char **reason, pl_error *error)
 {
-    const char *why = NULL;
-    *reason = NULL;
-    if (!pl_check_transform(check, plain, transform, &why)) {
-        *reason = why;
+    *reason = pl_check_transform(check, plain, transform);
+    if (*reason != NULL) {
         return PL_OK;
     }
     switch (check->kind) {

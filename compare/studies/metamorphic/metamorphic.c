@@ -38,13 +38,6 @@ typedef struct pair {
     json_t *result; /* of the plain run that was made; NULL: none */
 } pair;
 
-/* Whether the run finished, as expected or collapsed. */
-static bool finished(const json_t *result)
-{
-    const char *outcome = pl_json_get_text(result, "outcome");
-    return strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0;
-}
-
 /* How far a run of a transformed scene agrees with the plain run. */
 static json_t *agreement_of(pair *p, framed_run *r)
 {
@@ -88,7 +81,7 @@ static void amend(void *user, json_t *result)
         json_object_set_new(result, "agreement", json_pack("{s:f}", "size", p->size));
         return;
     }
-    if (finished(result)) {
+    if (pl_study_ended(result)) {
         json_object_set_new(result, "agreement", agreement_of(p, r));
     }
     pl_trajectory_close(&r->trajectory);
@@ -194,7 +187,7 @@ static pl_status prepare_check(pair *p, const pl_check *check, pl_error *error)
 
 static bool is_missing(const pair *p, int check)
 {
-    char *key = pl_heap_format("%s %s", p->runs[0].run, pl_checks(&(int){0})[check].name);
+    char *key = pl_heap_format("%s %s", p->runs[0].run, pl_checks[check].name);
     const bool is_made = json_object_get(p->work->made, key) != NULL;
     free(key);
     return p->work->chosen[check] && !is_made;
@@ -203,12 +196,10 @@ static bool is_missing(const pair *p, int check)
 /* Makes the missing checks of a plain run that has ended. */
 static pl_status make_checks(pair *p, pl_error *error)
 {
-    int count = 0;
     pl_status status = PL_OK;
-    const pl_check *checks = pl_checks(&count);
-    for (int i = 0; i < count && status == PL_OK; ++i) {
+    for (int i = 0; i < PL_CHECK_COUNT && status == PL_OK; ++i) {
         if (is_missing(p, i)) {
-            status = prepare_check(p, &checks[i], error);
+            status = prepare_check(p, &pl_checks[i], error);
         }
     }
     return status == PL_OK && p->count > 1 ? make_runs(p, 1, p->work->how->store, error) : status;
@@ -222,7 +213,7 @@ static pl_status make_pair(pair *p, pl_error *error)
     if (status != PL_OK || *w->signal_number != 0) {
         return status;
     }
-    if (finished(p->result)) {
+    if (pl_study_ended(p->result)) {
         return make_checks(p, error);
     }
     w->bar.total -= p->missing;
@@ -258,16 +249,14 @@ static pair begin_pair(work *w, const pl_planned_run *planned)
               .configuration = planned->configuration,
               .size = pl_scene_size(&planned->test_case->scene)};
     framed_run plain = {.test_case = *planned->test_case};
-    int count = 0;
-    (void)pl_checks(&count);
     plain.test_case.study = json_pack("{s:s, s:s}", "name", "metamorphic", "check", "plain");
     add_run(&p, &plain);
     const json_t *known = pl_store_find(w->how->store, p.runs[0].run);
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < PL_CHECK_COUNT; ++i) {
         p.missing += is_missing(&p, i);
     }
     p.is_known = known != NULL;
-    p.is_due = known == NULL || (p.missing > 0 && finished(known));
+    p.is_due = known == NULL || (p.missing > 0 && pl_study_ended(known));
     return p;
 }
 

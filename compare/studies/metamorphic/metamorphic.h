@@ -36,17 +36,19 @@ typedef struct pl_check {
     int axis;      /* rotate, split: 0, 1, 2 */
 } pl_check;
 
-/* All checks in the order of reports. Static storage. */
-const pl_check *pl_checks(int *count);
+enum { PL_CHECK_COUNT = 24 };
+
+/* All checks in the order of reports. */
+extern const pl_check pl_checks[PL_CHECK_COUNT];
 
 /* Chooses the checks of these names and families, all where there are none: (*chosen)[i] of pl_checks, which the caller
  * frees. PL_BAD_INPUT suggests the nearest name. */
 pl_status pl_checks_choose(const char *const *names, int count, bool **chosen, pl_error *error);
 
-/* The check's transform of this scene: the identity where the scene is changed otherwise. False, with the
- * reason, where the transform does not apply to the scene. */
-bool pl_check_transform(const pl_check *check, const pl_scene *scene, pl_transform *transform,
-                        const char **reason);
+/* Sets the check's transform of this scene: the identity where the scene is changed otherwise. Returns why the
+ * transform does not apply to the scene, in static storage; NULL: it does. */
+const char *pl_check_transform(const pl_check *check, const pl_scene *scene,
+                               pl_transform *transform);
 
 /* The scene of the check, which the caller frees, and its transform. Where the check does not apply to the scene,
  * *reason says why, and there is no scene; nor is there one of a restart, which begins from the states of a run. */

@@ -8,11 +8,6 @@
 
 /* ---- Concluding ---- */
 
-static bool is_outcome(const json_t *result, const char *outcome)
-{
-    return strcmp(pl_json_get_text(result, "outcome"), outcome) == 0;
-}
-
 /* A difference as the result has it, or one without numbers. */
 static json_t *difference_of(const json_t *agreement, const char *key, const char *verdict)
 {
@@ -26,13 +21,12 @@ static json_t *conclude_check(const char *check, const json_t *result)
 {
     const json_t *agreement = json_object_get(result, "agreement");
     const char *at_end = pl_study_text(agreement, "end.verdict");
-    const bool is_inapplicable = is_outcome(result, "unsupported");
-    const bool ended = is_outcome(result, "ok") || is_outcome(result, "collapsed");
+    const bool is_inapplicable = strcmp(pl_json_get_text(result, "outcome"), "unsupported") == 0;
     const char *verdict = at_end[0] != '\0' ? at_end : is_inapplicable ? "inapplicable" : "failed";
     char *reason = NULL;
     if (is_inapplicable) {
         reason = pl_heap_copy(pl_json_get_text(result, "reason"));
-    } else if (!ended) {
+    } else if (!pl_study_ended(result)) {
         reason = pl_heap_format("transformed run %s: %s", pl_json_get_text(result, "outcome"),
                                 pl_json_get_text(result, "reason"));
     } else if (at_end[0] == '\0') {
@@ -52,17 +46,15 @@ static json_t *conclude_check(const char *check, const json_t *result)
 static json_t *conclude_run(const json_t *plain, const json_t *results)
 {
     static const char *const more[] = {"scene_hash", "run", "outcome", "reason", NULL};
-    int count = 0;
-    const pl_check *checks = pl_checks(&count);
     json_t *found = json_array();
     json_t *row = pl_study_row(plain, more);
     json_object_set_new(row, "schema", json_string("plumb.metamorphic/1"));
     json_object_set(row, "size", pl_study_get(plain, "agreement.size"));
     json_object_set_new(row, "checks", found);
-    for (int i = 0; i < count; ++i) {
-        const json_t *result = json_object_get(results, checks[i].name);
+    for (int i = 0; i < PL_CHECK_COUNT; ++i) {
+        const json_t *result = json_object_get(results, pl_checks[i].name);
         if (result != NULL) {
-            json_array_append_new(found, conclude_check(checks[i].name, result));
+            json_array_append_new(found, conclude_check(pl_checks[i].name, result));
         }
     }
     return row;
@@ -154,29 +146,27 @@ static void add_verdict(pl_table *table, const char *verdict)
 /* The verdict of each check on each engine. An engine whose plain run failed has failed them all. */
 static void add_verdicts(pl_document *document, const json_t *rows)
 {
-    int count = 0;
     size_t index;
     const json_t *row;
-    const pl_check *checks = pl_checks(&count);
     pl_table table = {0};
     pl_table_column(&table, PL_LEFT, "check");
     json_array_foreach((json_t *)rows, index, row)
     {
         pl_table_column(&table, PL_LEFT, "%s", pl_json_get_text(row, "label"));
     }
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < PL_CHECK_COUNT; ++i) {
         bool is_made = false;
         json_array_foreach((json_t *)rows, index, row)
         {
-            is_made = is_made || check_of(row, checks[i].name) != NULL;
+            is_made = is_made || check_of(row, pl_checks[i].name) != NULL;
         }
         if (!is_made) {
             continue;
         }
-        pl_table_add(&table, checks[i].name);
+        pl_table_add(&table, pl_checks[i].name);
         json_array_foreach((json_t *)rows, index, row)
         {
-            const json_t *check = check_of(row, checks[i].name);
+            const json_t *check = check_of(row, pl_checks[i].name);
             const bool has_failed =
                 check == NULL && json_array_size(json_object_get(row, "checks")) == 0;
             add_verdict(&table, check != NULL ? pl_json_get_text(check, "verdict")
@@ -197,13 +187,6 @@ static void add_difference(pl_table *table, const json_t *difference)
     add_verdict(table, pl_json_get_text(difference, "verdict"));
 }
 
-static void add_span(pl_table *table, const char *verdict, const char *reason)
-{
-    char *text = pl_heap_format("%s: %s", verdict, reason);
-    pl_table_add_span(table, text);
-    free(text);
-}
-
 static void add_check_row(pl_table *table, const char *label, const json_t *check)
 {
     const char *reason = pl_json_get_text(check, "reason");
@@ -211,7 +194,7 @@ static void add_check_row(pl_table *table, const char *label, const json_t *chec
     pl_table_add(table, label);
     pl_table_add(table, pl_json_get_text(check, "check"));
     if (reason[0] != '\0') {
-        add_span(table, pl_json_get_text(check, "verdict"), reason);
+        pl_table_add_span(table, "%s: %s", pl_json_get_text(check, "verdict"), reason);
         return;
     }
     add_difference(table, json_object_get(check, "early"));
@@ -240,12 +223,10 @@ static void add_differences(pl_document *document, const json_t *rows)
             add_check_row(&table, label, check);
         }
         if (k == 0 && strcmp(outcome, "ok") != 0) {
-            char *plain =
-                pl_heap_format("plain run %s: %s", outcome, pl_json_get_text(row, "reason"));
             pl_table_add(&table, label);
             pl_table_add(&table, "all");
-            add_span(&table, "failed", plain);
-            free(plain);
+            pl_table_add_span(&table, "failed: plain run %s: %s", outcome,
+                              pl_json_get_text(row, "reason"));
         }
     }
     pl_document_table(document,

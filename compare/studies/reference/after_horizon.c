@@ -85,32 +85,23 @@ static pl_pool pool_ends(const pl_reference_work *work, const crowd *own, const 
                                       : pl_pool_make(a, count_a, b, count_b);
 }
 
-/* A test with the ends that it is of. */
-typedef struct pooled_test {
-    pl_end_test test;
-    pl_pool pool;
-} pooled_test;
-
 static int by_ks(const void *a, const void *b)
 {
-    const pooled_test *s = a, *t = b;
-    return (s->test.ks < t->test.ks) - (s->test.ks > t->test.ks);
+    const pl_end_test *s = a, *t = b;
+    return (s->ks < t->ks) - (s->ks > t->ks);
 }
 
-/* Sets the tests with the chance of each difference, in the order of decreasing differences. Frees the pools. */
-static void find_chances(pooled_test *pooled, pl_after_horizon *after)
+/* Sets the chance of each difference, and puts the tests in the order of decreasing differences. */
+static void find_chances(pl_after_horizon *after)
 {
     const size_t count = (size_t)after->test_count;
     double *p = pl_heap_new(count, sizeof *p), *corrected = pl_heap_new(count, sizeof *corrected);
-    after->tests = pl_heap_new(count, sizeof *after->tests);
-    qsort(pooled, count, sizeof *pooled, by_ks);
+    qsort(after->tests, count, sizeof *after->tests, by_ks);
     for (int i = 0; i < after->test_count; ++i) {
-        p[i] = i < MOST_TESTS ? pl_permutation_p(&pooled[i].pool) : 1;
-        pl_pool_free(&pooled[i].pool);
+        p[i] = i < MOST_TESTS ? pl_permutation_p(&after->tests[i].ends) : 1;
     }
     pl_holm(p, after->test_count, corrected);
     for (int i = 0; i < after->test_count; ++i) {
-        after->tests[i] = pooled[i].test;
         after->tests[i].p = p[i];
         after->tests[i].corrected = corrected[i];
     }
@@ -121,23 +112,21 @@ static void find_chances(pooled_test *pooled, pl_after_horizon *after)
 static void test_ends(const pl_reference_work *work, const crowd *own, const crowd *others,
                       const pl_reference *reference, pl_after_horizon *after)
 {
-    pooled_test *pooled = NULL;
     for (int e = 0; e < others->plan.configuration_count; ++e) {
         for (int k = 0; k < 3 * reference->bodies; ++k) {
-            pooled_test t = {.test = {.engine = e, .body = k / 3, .axis = k % 3}};
+            pl_end_test t = {.engine = e, .body = k / 3, .axis = k % 3};
             if (reference->horizon[k / 3] < reference->samples) {
-                t.pool = pool_ends(work, own, others, &t.test, reference->body[k / 3]);
+                t.ends = pool_ends(work, own, others, &t, reference->body[k / 3]);
             }
-            if (t.pool.count > 0) {
-                t.test.ks = pl_kolmogorov_smirnov(&t.pool);
-                pl_push(&pooled, &after->test_count, &t, sizeof t);
+            if (t.ends.count > 0) {
+                t.ks = pl_kolmogorov_smirnov(&t.ends);
+                pl_push(&after->tests, &after->test_count, &t, sizeof t);
             }
         }
     }
-    if (pooled != NULL) {
-        find_chances(pooled, after);
+    if (after->test_count > 0) {
+        find_chances(after);
     }
-    free(pooled);
 }
 
 /* ---- The whole ---- */

@@ -96,6 +96,9 @@ void pl_reference_verdict_free(pl_reference_verdict *verdict)
     for (int i = 0; i < verdict->engine_count; ++i) {
         free(verdict->engines[i].bodies);
     }
+    for (int i = 0; i < verdict->after.test_count; ++i) {
+        pl_pool_free(&verdict->after.tests[i].ends);
+    }
     free(verdict->engines);
     free(verdict->after.tests);
 }

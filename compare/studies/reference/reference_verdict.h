@@ -12,6 +12,7 @@
 
 #include "adapters/built_in.h"
 #include "converged_reference.h"
+#include "studies/ensemble/two_sample.h"
 
 #include <jansson.h>
 
@@ -50,6 +51,7 @@ typedef struct pl_engine_verdict {
 typedef struct pl_end_test {
     int engine, body; /* of the verdict, of the reference */
     int axis;         /* 0 to 2 */
+    pl_pool ends;     /* along that axis, of the reference's members and of the engine's; m */
     double ks;        /* Kolmogorov-Smirnov distance, 1 */
     double p, corrected;
 } pl_end_test;

@@ -27,14 +27,14 @@ json_t *pl_threshold_study_of(const pl_scenario *scenario, const pl_threshold *t
 /* Begins the search that `study` of a trial describes; false where it describes none. */
 static bool begin(const json_t *study, pl_bisection *bisection)
 {
-    pl_threshold t = {.param = NULL};
+    pl_bisection b = {.state = PL_BISECTION_SEARCHING};
     int below = 0, either = 0;
     const bool is_whole =
-        json_unpack((json_t *)study, "{s:F, s:F, s:F, s:b, s:b}", "low", &t.low, "high", &t.high,
-                    "tolerance", &t.tolerance, "holds_below", &below, "either_side", &either) == 0;
-    t.holds_below = below != 0;
-    t.either_side = either != 0;
-    *bisection = pl_bisection_begin(&t);
+        json_unpack((json_t *)study, "{s:F, s:F, s:F, s:b, s:b}", "low", &b.low, "high", &b.high,
+                    "tolerance", &b.tolerance, "holds_below", &below, "either_side", &either) == 0;
+    b.holds_below = below != 0;
+    b.either_side = either != 0;
+    *bisection = b;
     return is_whole;
 }
 
@@ -276,11 +276,8 @@ static void add_row(pl_table *table, json_t *plot, const json_t *row)
     pl_table_add(table, pl_json_get_text(row, "label"));
     if (isnan(value)) {
         const char *reason = pl_json_get_text(row, "reason");
-        char *text =
-            pl_heap_format("%s%s%s (%d %s)", pl_json_get_text(row, "finding"),
-                           reason[0] != '\0' ? ": " : "", reason, runs, runs == 1 ? "run" : "runs");
-        pl_table_add_span(table, text);
-        free(text);
+        pl_table_add_span(table, "%s%s%s (%d %s)", pl_json_get_text(row, "finding"),
+                          reason[0] != '\0' ? ": " : "", reason, runs, runs == 1 ? "run" : "runs");
         return;
     }
     json_unpack((json_t *)row, "{s:[F, F]}", "bracket", &low, &high);

@@ -30,17 +30,15 @@ static void log_evaluation(const pl_tuner *t, const pl_evaluation *evaluation)
 }
 
 /* pl_search_def.measure */
-static pl_status measure(void *user, pl_evaluation *evaluation, bool *stop, pl_error *error)
+static bool measure(void *user, pl_evaluation *evaluation)
 {
     pl_tuner *t = user;
-    (void)error; /* the tuner has it */
     json_array_append_new(t->points, pl_tune_values(t->def->space, evaluation->values));
     pl_evaluation_make(t, evaluation);
-    *stop = t->signal_number != 0;
     if (pl_tuner_goes_on(t)) {
         log_evaluation(t, evaluation);
     }
-    return t->status;
+    return pl_tuner_goes_on(t);
 }
 
 /* Measures the answer with each parameter moved either way, and then as it is: these are the last runs of a tuning. */
@@ -79,7 +77,7 @@ static void make_all(pl_tuner *t)
                                   .measure = measure};
     pl_evaluate_defaults(t);
     if (pl_tuner_goes_on(t)) {
-        pl_search(&search, &t->found, t->error);
+        pl_search(&search, &t->found);
     }
     if (pl_tuner_goes_on(t)) {
         pl_tuner_choose(t);

@@ -14,9 +14,7 @@
 typedef struct pl_evaluation_cache {
     const pl_search_def *def;
     pl_search_result *found;
-    int limit;        /* the most evaluations at the end of the stage */
-    pl_status status; /* of the first call that failed */
-    pl_error *error;
+    int limit; /* the most evaluations at the end of the stage */
 } pl_evaluation_cache;
 
 static double cut(double value, double low, double high)
@@ -63,10 +61,10 @@ double pl_tune_neighbour(const pl_tune_parameter *parameter, double value, int d
     return rounded_value(parameter, direction < 0 ? value - step : value + step);
 }
 
-/* Whether no further point may be evaluated: the search is at its limit, stopped or failed. */
+/* Whether no further point may be evaluated: the search is at its limit, or stopped. */
 static bool is_over(const pl_evaluation_cache *cache)
 {
-    return cache->status != PL_OK || cache->found->stopped || cache->found->count >= cache->limit;
+    return cache->found->stopped || cache->found->count >= cache->limit;
 }
 
 /* The index of the evaluation with these values; -1: there is none. */
@@ -125,8 +123,8 @@ static int evaluate(pl_evaluation_cache *cache, const double *point)
         return place;
     }
     evaluation.trial = found->count;
-    cache->status = def->measure(def->user, &evaluation, &found->stopped, cache->error);
-    if (cache->status != PL_OK || found->stopped) {
+    found->stopped = !def->measure(def->user, &evaluation);
+    if (found->stopped) {
         return -1;
     }
     pl_search_add(found, &evaluation);
@@ -260,17 +258,16 @@ static void run_nlopt(pl_evaluation_cache *cache)
     free(begun);
 }
 
-pl_status pl_search(const pl_search_def *def, pl_search_result *result, pl_error *error)
+void pl_search(const pl_search_def *def, pl_search_result *result)
 {
     const double sampling_end = 0.4; /* of the budget */
     *result = (pl_search_result){.best = -1};
     result->evaluations = pl_heap_new((size_t)def->budget, sizeof *result->evaluations);
-    pl_evaluation_cache cache = {.def = def, .found = result, .error = error};
+    pl_evaluation_cache cache = {.def = def, .found = result};
     cache.limit = (int)ceil(sampling_end * def->budget);
     sample_space(&cache);
     cache.limit = def->budget;
     if (def->parameter_count > 0) {
         run_nlopt(&cache);
     }
-    return cache.status;
 }

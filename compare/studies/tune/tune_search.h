@@ -53,9 +53,9 @@ typedef struct pl_search_def {
     int budget;                          /* >= 1: the most points evaluated */
     uint64_t seed;
     void *user;
-    /* Fills cost, excess and holds. No point is evaluated twice. *stop ends the search with the
-     * points before this one. A status other than PL_OK ends it with that status. */
-    pl_status (*measure)(void *user, pl_evaluation *evaluation, bool *stop, pl_error *error);
+    /* Fills cost, excess and holds. No point is evaluated twice. False ends the search with the points before
+     * this one. */
+    bool (*measure)(void *user, pl_evaluation *evaluation);
 } pl_search_def;
 
 /* The points that a search evaluated, and the best of them. */
@@ -64,14 +64,13 @@ typedef struct pl_search_result {
     int count;
     int best; /* the cheapest that meets the target, else the one of least excess; -1: none */
     bool met;
-    bool stopped;
+    bool stopped; /* by `measure` */
 } pl_search_result;
 
 /* Evaluates low-discrepancy points over the space, in half of which a parameter that spends no time
  * stays at its start; then runs NLopt from the best point at which it has not begun yet, until the budget is spent.
- * Equal seeds and equal answers give equal points. The caller frees result->evaluations in any case. What `measure`
- * returned. */
-pl_status pl_search(const pl_search_def *def, pl_search_result *result, pl_error *error);
+ * Equal seeds and equal answers give equal points. The caller frees result->evaluations. */
+void pl_search(const pl_search_def *def, pl_search_result *result);
 
 /* Adds an evaluation, for which the result has room. */
 void pl_search_add(pl_search_result *result, const pl_evaluation *evaluation);

@@ -12,21 +12,13 @@ enum { MOST_TRIALS = 100000 };
 
 /* ---- Results ---- */
 
-/* Copies these keys (up to a NULL) of an object to another; absent ones are left out. */
-static void copy_keys(json_t *to, const json_t *from, const char *const *keys)
-{
-    for (; *keys != NULL; ++keys) {
-        json_object_set(to, *keys, json_object_get(from, *keys));
-    }
-}
-
 /* What all runs have in their `study`, of one of them. */
 static json_t *shared_of(const json_t *run)
 {
     static const char *const keys[] = {"name", "engine",  "dt",         "scenarios", "scenes",
                                        "seed", "targets", "parameters", "budget",    NULL};
     json_t *study = json_object();
-    copy_keys(study, run, keys);
+    pl_study_copy(study, run, keys);
     return study;
 }
 
@@ -262,8 +254,8 @@ static json_t *tuning_json(const pl_tuner *t, const json_t *results)
         sensitivities_json(t), "validation", t->checks, "passed_over", t->passed_over,
         "search_cost", t->by_instructions ? "instructions" : "cpu_time", "runs",
         (int)json_array_size(results), "trials", trials_json(t));
-    copy_keys(json, answer_row(t), kept);
-    copy_keys(json, t->study, asked);
+    pl_study_copy(json, answer_row(t), kept);
+    pl_study_copy(json, t->study, asked);
     return json;
 }
 
@@ -301,6 +293,6 @@ json_t *pl_tune_profile(const json_t *conclusion)
     json_t *profile = json_pack("{s:s, s:s, s:O?, s:O?, s:s}", "schema", "plumb.profile/1", "name",
                                 "tuned", "dt", json_object_get(setting, "dt"), "options",
                                 json_object_get(setting, "options"), "made", made);
-    copy_keys(profile, conclusion, kept);
+    pl_study_copy(profile, conclusion, kept);
     return profile;
 }
