@@ -14,9 +14,10 @@
  *
  * nncg ends every sweep by a step along its search direction that is not bounded again (3.24,
  * btNNCGConstraintSolver.cpp), so that of several contact points one may be left pulling. */
+#include "bullet_c.h"
+
 #include "adapters/native.h"
 
 #include <bullet_description.h>
 
-PL_ENGINE_FUNCTIONS(bullet)
 PL_ENGINE(pl_engine_bullet, bullet)

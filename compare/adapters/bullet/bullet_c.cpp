@@ -33,6 +33,8 @@
  * with the edges of another falls through it.
  *
  * Rolling and spinning friction are 0, Bullet's default. */
+#include "bullet_c.h"
+
 #include "adapters/native.h"
 
 #include <bullet_description.h>
@@ -56,8 +58,6 @@
 #error "Bullet must be used in double precision: pkg-config bullet-float64"
 #endif
 static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be used in double precision");
-
-PL_ENGINE_FUNCTIONS(bullet)
 
 namespace {
 
