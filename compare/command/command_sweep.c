@@ -110,7 +110,8 @@ static void make_plan(const pl_call *call, sweep *s)
 {
     const bool is_usual = s->varied_count == 0;
     pl_error error = {.message = ""};
-    pl_drawn_settings drawn = {.count = 0};
+    pl_setting *drawn = NULL;
+    int drawn_count = 0;
     set_defaults(s, is_usual);
     pl_plan base = {.repeats = s->repeats};
     pl_call_check(call, pl_request_plan(call, &s->request, &base, &error), &error);
@@ -121,18 +122,19 @@ static void make_plan(const pl_call *call, sweep *s)
                                  .step_count = s->varied[0].count,
                                  .settings = s->settings,
                                  .all_profiles = s->request.engines.count == 0};
-        drawn = pl_draw_settings(&def);
+        drawn = pl_draw_settings(&def, &drawn_count);
         add_tuned(call, &base);
     }
     const pl_grid_def def = {.base = &base,
                              .varied = s->varied,
                              .varied_count = s->varied_count,
-                             .drawn = drawn.count > 0 ? &drawn : NULL,
+                             .drawn = drawn,
+                             .drawn_count = drawn_count,
                              .changes = s->changes,
                              .shard = s->shard};
     pl_call_check(call, pl_grid_plan(&def, &s->plan, &error), &error);
     pl_plan_take_files(&s->plan, &base);
-    pl_drawn_settings_free(&drawn);
+    free(drawn);
     pl_plan_free(&base);
 }
 

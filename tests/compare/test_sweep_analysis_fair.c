@@ -56,7 +56,7 @@ static void test_a_change_that_fails_fails_the_point(void **state)
         json_t *results;
         pl_sweep_analysis analysis = changed(&results, 1e-5, outcomes[i]);
         assert_int_equal(analysis.points[0].state, PL_SWEEP_FAILED);
-        assert_string_equal(analysis.points[0].outcome, outcomes[i]);
+        assert_string_equal(pl_outcome_name(analysis.points[0].row->outcome), outcomes[i]);
         assert_string_equal(analysis.points[0].change, "n one larger");
         assert_int_equal(analysis.scenes[0].curves[0].failed, 1);
         finish_sweep(&analysis, results);
@@ -121,7 +121,7 @@ static void test_factor_as_shipped_and_at_the_best(void **state)
     assert_close(json_number_value(json_object_get(json_object_get(as_shipped, "speed"), "value")),
                  3, 0, 1e-12);
     assert_string_equal(
-        analysis.points[json_integer_value(json_object_get(level, "second_point"))].label,
+        analysis.points[json_integer_value(json_object_get(level, "second_point"))].row->label,
         "ode:d,iterations=5");
     json_decref(json);
     finish_sweep(&analysis, results);

@@ -4,6 +4,8 @@
 #include "sweep_analysis_rows.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 static void test_speed_ratio_is_cost_at_each_error(void **state)
 {
@@ -61,29 +63,36 @@ static void test_losses_are_where_another_front_is_ahead(void **state)
     add_sweep_run(results, (sweep_run){.scenario = "b", "ode:q", 3, 5e-4, .iterations = 2});
     pl_sweep_analysis analysis = analysis_of(results);
     /* a: 1e-1, 1e-2. b: 1e-1, 1e-2, 1e-3. */
-    assert_int_equal(analysis.loss_count, 5);
-    assert_int_equal(analysis.fine_losses, 1);
-    assert_int_equal(analysis.compared, 4 + 3);
+    char *text = document_of(&analysis);
+    assert_contains(text, "in 5 of 7 comparisons");
+    assert_contains(text, "in 1 at errors up to 1e-3, in 4 at larger");
+    free(text);
+    json_t *losses = losses_of(&analysis);
+    assert_int_equal(json_array_size(losses), 5);
     static const struct {
         const char *scene;
         int level;
-        pl_attained_by attained;
+        const char *reached;
         bool within_noise;
-    } expected[] = {{"b n=0", 2, PL_ATTAINED_BY_SECOND_ONLY, false},
-                    {"b n=0", 1, PL_ATTAINED_BY_SECOND_ONLY, false},
-                    {"a n=0", 0, PL_ATTAINED_BY_BOTH, false},
-                    {"a n=0", 1, PL_ATTAINED_BY_BOTH, false},
-                    {"b n=0", 0, PL_ATTAINED_BY_BOTH, true}};
+    } expected[] = {{"b n=0", 2, "second only", false},
+                    {"b n=0", 1, "second only", false},
+                    {"a n=0", 0, "both", false},
+                    {"a n=0", 1, "both", false},
+                    {"b n=0", 0, "both", true}};
     for (int i = 0; i < 5; ++i) {
-        const pl_sweep_loss *loss = &analysis.losses[i];
-        assert_string_equal(analysis.scenes[loss->scene].name, expected[i].scene);
-        assert_int_equal(loss->level, expected[i].level);
-        assert_int_equal(loss->attained, expected[i].attained);
-        assert_int_equal(loss->within_noise, expected[i].within_noise);
-        assert_int_equal(loss->first < 0, loss->attained == PL_ATTAINED_BY_SECOND_ONLY);
-        assert_true(loss->second >= 0);
+        const json_t *loss = json_array_get(losses, (size_t)i);
+        assert_string_equal(analysis.scenes[pl_study_integer(loss, "scene")].of->name,
+                            expected[i].scene);
+        assert_true(pl_study_number(loss, "level") == pl_sweep_levels[expected[i].level]);
+        assert_string_equal(pl_study_text(loss, "reached"), expected[i].reached);
+        assert_int_equal(json_is_true(json_object_get(loss, "within_noise")),
+                         expected[i].within_noise);
+        assert_int_equal(json_is_null(json_object_get(loss, "first_point")),
+                         strcmp(expected[i].reached, "second only") == 0);
+        assert_true(json_is_integer(json_object_get(loss, "second_point")));
     }
-    assert_close(analysis.losses[0].second, 5, 0, 0);
+    assert_int_equal(pl_study_integer(json_array_get(losses, 0), "second_point"), 5);
+    json_decref(losses);
     finish_sweep(&analysis, results);
 }
 
@@ -94,8 +103,9 @@ static void test_equal_engines_have_no_losses(void **state)
     add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 2, 1e-4});
     add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 2, 1e-4});
     pl_sweep_analysis analysis = analysis_of(results);
-    assert_int_equal(analysis.loss_count, 0);
-    assert_int_equal(analysis.compared, 4);
+    char *text = document_of(&analysis);
+    assert_contains(text, "in none of 4 comparisons");
+    free(text);
     assert_close(comparison_with(&analysis, "ode")->ratios[PL_SPEED + 0].value, 1, 0, 0);
     finish_sweep(&analysis, results);
 }
@@ -208,7 +218,7 @@ static void test_few_repeats_take_the_noise_of_all(void **state)
         const double half = count / 2;
         const double squares = half * (count - half) / count;
         const double freedom = count - 1 + (count < 11 ? QUIET - 1 : 0);
-        assert_string_equal(analysis.scenes[0].scenario, "a");
+        assert_string_equal(analysis.scenes[0].of->row->scenario, "a");
         assert_close(analysis.scenes[0].noise, sqrt(squares / freedom), 0, 1e-12);
         finish_sweep(&analysis, results);
     }
@@ -225,12 +235,15 @@ static void test_loss_within_its_interval_is_noise(void **state)
     add_repeats(results, (sweep_run){.scenario = "a", "bullet:s", .error = 1e-2},
                 (const double[]){1, 1, 1.5, 1, 1, 1.5, 1, 1, 1.5, 1}, 10);
     pl_sweep_analysis analysis = analysis_of(results);
-    assert_int_equal(analysis.loss_count, 4);
+    json_t *losses = losses_of(&analysis);
+    assert_int_equal(json_array_size(losses), 4);
     for (int i = 0; i < 4; ++i) {
-        const pl_sweep_pair *pair = &analysis.pairs[analysis.losses[i].pair];
-        assert_string_equal(analysis.engines[pair->second].name, i < 2 ? "bullet" : "ode");
-        assert_int_equal(analysis.losses[i].within_noise, i >= 2);
+        const json_t *loss = json_array_get(losses, (size_t)i);
+        assert_string_equal(analysis.engines[pl_study_integer(loss, "second")].name,
+                            i < 2 ? "bullet" : "ode");
+        assert_int_equal(json_is_true(json_object_get(loss, "within_noise")), i >= 2);
     }
+    json_decref(losses);
     finish_sweep(&analysis, results);
 }
 
@@ -276,9 +289,9 @@ static void test_geometric_mean_counts_unreached_targets(void **state)
     const pl_sweep_pair *pair = &analysis.pairs[pair_named(&analysis, "plumb", "ode")];
     assert_int_equal(pair->scenes, 3);
     assert_close(pair->mean[PL_SWEEP_MATCHED_LEVEL].value, 6, 0, 1e-14);
-    assert_int_equal(pair->both[PL_SWEEP_MATCHED_LEVEL], 2);
-    assert_int_equal(pair->first_only[PL_SWEEP_MATCHED_LEVEL], 1);
-    assert_int_equal(pair->second_only[PL_SWEEP_MATCHED_LEVEL], 0);
+    assert_int_equal(pair->reached[PL_ATTAINED_BY_BOTH][PL_SWEEP_MATCHED_LEVEL], 2);
+    assert_int_equal(pair->reached[PL_ATTAINED_BY_FIRST_ONLY][PL_SWEEP_MATCHED_LEVEL], 1);
+    assert_int_equal(pair->reached[PL_ATTAINED_BY_SECOND_ONLY][PL_SWEEP_MATCHED_LEVEL], 0);
     assert_close(pair->mean[1].value, cbrt(36), 0, 1e-14);
     assert_true(isnan(pair->mean[3].value));
     finish_sweep(&analysis, results);

@@ -1,7 +1,7 @@
 /* From rows of results to points: what makes one, what has no numbers, what is broken. */
 #include "check.h"
 #include "result_tables.h"
-#include "studies/sweep/analysis_parts.h"
+#include "studies/sweep/analysis.h"
 #include "sweep_analysis_rows.h"
 
 #include <math.h>
@@ -47,7 +47,7 @@ static void test_rows_are_grouped_by_case_and_configuration(void **state)
     pl_sweep_analysis analysis = analysis_of(results);
     assert_int_equal(analysis.point_count, 6);
     assert_int_equal(analysis.scene_count, 2);
-    assert_string_equal(analysis.scenes[0].name, "tower n=5");
+    assert_string_equal(analysis.scenes[0].of->name, "tower n=5");
     assert_string_equal(analysis.scenes[0].unit, "1");
     assert_int_equal(analysis.scenes[0].count, 5);
     assert_int_equal(analysis.scenes[1].first, 5);
@@ -85,11 +85,13 @@ static void test_failed_point_is_never_a_number(void **state)
     assert_int_equal(scene->curves[ode].ok, 1);
     assert_int_equal(scene->curves[ode].cheapest[2], 2);
     assert_int_equal(scene->curves[ode].cheapest[3], -1);
-    assert_string_equal(analysis.points[1].outcome, "collapsed");
+    assert_string_equal(pl_outcome_name(analysis.points[1].row->outcome), "collapsed");
     assert_true(isnan(analysis.points[1].cost));
     assert_true(isnan(analysis.points[0].error));
-    assert_int_equal(analysis.loss_count, 3);
-    assert_int_equal(analysis.losses[0].attained, PL_ATTAINED_BY_SECOND_ONLY);
+    json_t *losses = losses_of(&analysis);
+    assert_int_equal(json_array_size(losses), 3);
+    assert_string_equal(pl_study_text(json_array_get(losses, 0), "reached"), "second only");
+    json_decref(losses);
     finish_sweep(&analysis, results);
 }
 
@@ -101,10 +103,14 @@ static void test_all_failed_is_no_comparison(void **state)
     add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 1, 1, .outcome = "nonfinite"});
     pl_sweep_analysis analysis = analysis_of(results);
     const pl_sweep_pair *pair = &analysis.pairs[pair_named(&analysis, "plumb", "ode")];
-    assert_int_equal(analysis.compared, 0);
-    assert_int_equal(analysis.loss_count, 0);
+    char *text = document_of(&analysis);
+    assert_contains(text, "Nothing was compared");
+    free(text);
     assert_int_equal(pair->scenes, 1);
-    assert_int_equal(pair->both[0] + pair->first_only[0] + pair->second_only[0], 0);
+    assert_int_equal(pair->reached[PL_ATTAINED_BY_BOTH][0] +
+                         pair->reached[PL_ATTAINED_BY_FIRST_ONLY][0] +
+                         pair->reached[PL_ATTAINED_BY_SECOND_ONLY][0],
+                     0);
     assert_true(isnan(pair->mean[0].value));
     finish_sweep(&analysis, results);
 }
@@ -145,7 +151,9 @@ static void test_missing_number_makes_a_point_unmeasured(void **state)
         assert_string_equal(analysis.points[i].reason, reasons[i]);
     }
     assert_int_equal(analysis.unjudged, 1);
-    assert_int_equal(analysis.loss_count, 0);
+    char *text = document_of(&analysis);
+    assert_contains(text, "Nothing was compared");
+    free(text);
     finish_sweep(&analysis, results);
 }
 
@@ -185,7 +193,7 @@ static void test_order_is_found_over_dt_only(void **state)
     for (size_t i = 0; i < 2; ++i) {
         const json_t *order = json_array_get(orders, i);
         const json_int_t first = json_integer_value(json_object_get(order, "point"));
-        const bool second = strstr(analysis.points[first].label, "iterations=0") != NULL;
+        const bool second = strstr(analysis.points[first].row->label, "iterations=0") != NULL;
         assert_close(json_number_value(json_object_get(order, "order")), second ? 2 : 1, 1e-12, 0);
         assert_int_equal(json_integer_value(json_object_get(order, "used")), 4);
         assert_close(json_number_value(json_object_get(order, "dt_low")), ldexp(1, -7), 0, 0);
@@ -262,7 +270,7 @@ static void test_nothing_is_an_empty_analysis(void **state)
     (void)state;
     json_t *results = json_array();
     pl_sweep_analysis analysis = analysis_of(results);
-    assert_int_equal(analysis.point_count + analysis.scene_count + analysis.loss_count, 0);
+    assert_int_equal(analysis.point_count + analysis.scene_count, 0);
     finish_sweep(&analysis, results);
 }
 

@@ -55,8 +55,13 @@ static pl_configuration configuration(int engine, int profile)
     return made;
 }
 
+typedef struct drawn_settings {
+    pl_setting *items; /* (count), owned */
+    int count;
+} drawn_settings;
+
 /* The settings of `count` configurations with all their engines' profiles, or those given alone. */
-static pl_drawn_settings drawn_of(pl_configuration *configurations, int count, bool all_profiles)
+static drawn_settings drawn_of(pl_configuration *configurations, int count, bool all_profiles)
 {
     const pl_plan plan = {.configurations = configurations, .configuration_count = count};
     const pl_draw_def def = {.plan = &plan,
@@ -64,11 +69,13 @@ static pl_drawn_settings drawn_of(pl_configuration *configurations, int count, b
                              .step_count = 3,
                              .settings = SETTINGS,
                              .all_profiles = all_profiles};
-    return pl_draw_settings(&def);
+    drawn_settings drawn = {.items = NULL};
+    drawn.items = pl_draw_settings(&def, &drawn.count);
+    return drawn;
 }
 
 /* How many values lie in each third of the range of an option, by ratio or straight. */
-static void count_thirds(const pl_drawn_settings *drawn, int option, int thirds[3])
+static void count_thirds(const drawn_settings *drawn, int option, int thirds[3])
 {
     const pl_engine_option *o = &options[option];
     memset(thirds, 0, 3 * sizeof *thirds);
@@ -122,7 +129,7 @@ static void test_options_take_values_all_over_their_ranges(void **state)
 {
     (void)state;
     pl_configuration one = configuration(0, 0);
-    pl_drawn_settings drawn = drawn_of(&one, 1, false);
+    drawn_settings drawn = drawn_of(&one, 1, false);
     int thirds[3];
     assert_int_equal(drawn.count, SETTINGS);
     for (int option = A; option <= B; ++option) { /* a stratum each */
@@ -136,14 +143,14 @@ static void test_options_take_values_all_over_their_ranges(void **state)
     count_thirds(&drawn, D, thirds);
     assert_int_equal(thirds[0], SETTINGS / 2);
     assert_int_equal(thirds[2], SETTINGS / 2);
-    pl_drawn_settings_free(&drawn);
+    free(drawn.items);
 }
 
 static void test_steps_and_profiles_have_equal_shares(void **state)
 {
     (void)state;
     pl_configuration one = configuration(0, 0);
-    pl_drawn_settings drawn = drawn_of(&one, 1, true);
+    drawn_settings drawn = drawn_of(&one, 1, true);
     int of_step[3] = {0}, of_profile[2] = {0};
     for (int i = 0; i < drawn.count; ++i) {
         const pl_setting *setting = &drawn.items[i];
@@ -157,7 +164,7 @@ static void test_steps_and_profiles_have_equal_shares(void **state)
     }
     assert_int_equal(of_profile[0], SETTINGS / 2);
     assert_int_equal(of_profile[1], SETTINGS / 2);
-    pl_drawn_settings_free(&drawn);
+    free(drawn.items);
 }
 
 static void test_what_is_not_tuned_keeps_its_value(void **state)
@@ -165,14 +172,14 @@ static void test_what_is_not_tuned_keeps_its_value(void **state)
     (void)state;
     pl_configuration both[] = {configuration(0, 0), configuration(0, 1)};
     both[0].choice.values[B] = 0.7; /* as the user set it */
-    pl_drawn_settings drawn = drawn_of(both, 2, false);
+    drawn_settings drawn = drawn_of(both, 2, false);
     for (int i = 0; i < drawn.count; ++i) {
         const pl_engine_choice *choice = &drawn.items[i].choice;
         assert_true(choice->values[E] == (choice->profile == 0 ? 7 : 8));
         assert_true(choice->profile == 1 || choice->values[B] == 0.7);
         assert_true(choice->profile == 0 || choice->values[C] == 10);
     }
-    pl_drawn_settings_free(&drawn);
+    free(drawn.items);
 }
 
 static bool is_same_setting(const pl_setting *a, const pl_setting *b)
@@ -186,7 +193,7 @@ static void test_settings_do_not_depend_on_other_engines(void **state)
     (void)state;
     pl_configuration alone = configuration(0, 0);
     pl_configuration both[] = {configuration(1, 0), configuration(0, 0)};
-    pl_drawn_settings one = drawn_of(&alone, 1, true), two = drawn_of(both, 2, true);
+    drawn_settings one = drawn_of(&alone, 1, true), two = drawn_of(both, 2, true);
     int different = 0;
     assert_int_equal(two.count, 2 * one.count);
     for (int i = 0; i < one.count; ++i) {
@@ -195,8 +202,8 @@ static void test_settings_do_not_depend_on_other_engines(void **state)
         different += !is_same_setting(&one.items[i], &two.items[2 * i]);
     }
     assert_true(different > SETTINGS / 2); /* engines have orders of their own */
-    pl_drawn_settings_free(&one);
-    pl_drawn_settings_free(&two);
+    free(one.items);
+    free(two.items);
 }
 
 /* Numbers that every machine must draw. */
@@ -204,10 +211,10 @@ static void test_settings_are_the_same_everywhere(void **state)
 {
     (void)state;
     pl_configuration one = configuration(0, 0);
-    pl_drawn_settings drawn = drawn_of(&one, 1, false);
+    drawn_settings drawn = drawn_of(&one, 1, false);
     const double *first = drawn.items[0].choice.values;
     assert_true(first[A] == 4.94e-05 && first[B] == 0.171 && first[C] == 193);
-    pl_drawn_settings_free(&drawn);
+    free(drawn.items);
 }
 
 /* Beyond its critical value a scene has another right answer: slope-tip within 1 % may have to tip. */

@@ -66,6 +66,14 @@ char *document_of(const pl_sweep_analysis *analysis)
     return text;
 }
 
+json_t *losses_of(const pl_sweep_analysis *analysis)
+{
+    json_t *json = pl_sweep_to_json(analysis);
+    json_t *losses = json_incref(json_object_get(json, "losses"));
+    json_decref(json);
+    return losses;
+}
+
 int engine_named(const pl_sweep_analysis *analysis, const char *name)
 {
     for (int i = 0; i < analysis->engine_count; ++i) {

@@ -30,6 +30,9 @@ pl_sweep_analysis analysis_of(const json_t *results);
 /* Its document as text, to free. */
 char *document_of(const pl_sweep_analysis *analysis);
 
+/* The losses of its conclusion, to free. */
+json_t *losses_of(const pl_sweep_analysis *analysis);
+
 /* Frees both. */
 void finish_sweep(pl_sweep_analysis *analysis, json_t *results);
 

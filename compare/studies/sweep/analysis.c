@@ -1,5 +1,5 @@
 /* Makes the analysis of a sweep from its parts: noise and curves. */
-#include "analysis_parts.h"
+#include "analysis.h"
 
 #include "base/heap.h"
 #include "base/statistics.h"
@@ -79,7 +79,7 @@ static void find_curves(pl_sweep_analysis *analysis, pl_sweep_scene *scene)
     for (int i = 0; i < scene->count; ++i) {
         of.samples[i] = (pl_sweep_sample){of.points[i].cost, of.points[i].error};
     }
-    analysis->unjudged += scene->primary_error[0] == '\0';
+    analysis->unjudged += scene->of->row->primary_error[0] == '\0';
     scene->curves = pl_heap_new((size_t)analysis->engine_count, sizeof *scene->curves);
     for (int e = 0; e < analysis->engine_count; ++e) {
         find_curve(&of, scene->first, e, &scene->curves[e]);
@@ -96,7 +96,6 @@ void pl_sweep_analyse(const pl_result_table *results, pl_sweep_analysis *analysi
         find_curves(analysis, &analysis->scenes[p]);
     }
     pl_compare_pairwise(analysis);
-    pl_list_losses(analysis);
 }
 
 void pl_sweep_analysis_free(pl_sweep_analysis *analysis)
@@ -116,6 +115,5 @@ void pl_sweep_analysis_free(pl_sweep_analysis *analysis)
     free(analysis->engines);
     free(analysis->scenes);
     free(analysis->pairs);
-    free(analysis->losses);
     *analysis = (pl_sweep_analysis){0};
 }

@@ -52,12 +52,13 @@ typedef struct pl_sweep_sample {
 
 /* All texts and rows are borrowed from the results. */
 typedef struct pl_sweep_point {
-    const json_t *row; /* of the worst repeat or change where that is not ok, else the first */
+    const pl_result_row
+        *row; /* of the worst repeat or change where that is not ok, else the first */
     int scene;
     int engines[PL_SWEEP_KINDS]; /* indices, by kind; -1: it is not as shipped */
     int configuration; /* of the table: points of a scene that have it in common differ in dt */
     double dt;         /* s */
-    const char *label, *outcome, *reason;
+    const char *reason;
     /* Of the scene, on which the point has its error, or failed; "": the scene itself. */
     const char *change;
     pl_sweep_state state;
@@ -140,11 +141,10 @@ typedef struct pl_pairwise_comparison {
 
 /* A scene with its points, cost-error curves and pairwise comparisons. */
 typedef struct pl_sweep_scene {
-    const char *name;  /* the scenario, with the parameters that are not at their defaults */
-    const json_t *row; /* any of its results */
-    const char *scenario, *primary_error, *unit;
-    int first, count; /* its points */
-    double noise;     /* standard deviation of ln(cost) over repeats; NAN: nothing was repeated */
+    const pl_result_scene *of; /* borrowed */
+    const char *unit;          /* of its primary error */
+    int first, count;          /* its points */
+    double noise; /* standard deviation of ln(cost) over repeats; NAN: nothing was repeated */
     pl_sweep_curve *curves;              /* (engine_count) */
     pl_pairwise_comparison *comparisons; /* (pair_count) */
 } pl_sweep_scene;
@@ -156,19 +156,9 @@ typedef struct pl_sweep_pair {
     int shipped; /* of two whole engines: the pair of both as shipped; -1: none */
     /* Over all scenes on which both were run, by level. */
     pl_sweep_ratio mean[PL_SWEEP_LEVELS]; /* geometric mean of PL_SPEED, of scenes both reached */
-    int both[PL_SWEEP_LEVELS], first_only[PL_SWEEP_LEVELS], second_only[PL_SWEEP_LEVELS];
+    int reached[PL_ATTAINED_BY_BOTH + 1][PL_SWEEP_LEVELS]; /* scenes, by pl_attained_by */
     int scenes;
 } pl_sweep_pair;
-
-/* A level at which the front of the second engine of a pair is ahead of the first, the home engine's: it is cheaper,
- * or the first has no point. */
-typedef struct pl_sweep_loss {
-    int scene, pair, level;
-    pl_attained_by attained; /* BOTH or OTHER_ONLY */
-    int first, second;       /* points; first -1: not reached */
-    pl_sweep_ratio speed;    /* < 1; NAN where the first has no point */
-    bool within_noise;       /* the interval contains 1; without one, the ratio is above 0.9 */
-} pl_sweep_loss;
 
 /* The analysis of the results of a sweep. `results` is borrowed, the arrays are owned. */
 typedef struct pl_sweep_analysis {
@@ -184,13 +174,7 @@ typedef struct pl_sweep_analysis {
     /* The kind of engines that tables show pairs and losses of: whole ones, or profiles where the home engine is one
      * profile of several. */
     pl_sweep_kind shown;
-    pl_sweep_loss *losses; /* of the home engine: errors up to 1e-3, then larger ones; in each those
-                              beyond noise first, not reached first, then by rising ratio */
-    int loss_count;
-    int fine_losses; /* of those up to 1e-3 */
-    int compared;    /* scene, pair with the home engine and level, where one or both are there */
-    int run_count;   /* rows, doubles left out */
-    int unjudged;    /* scenes without a primary error: their points are unmeasured */
+    int unjudged;        /* scenes without a primary error: their points are unmeasured */
     bool several_builds; /* rows come from different builds or versions of one engine */
 } pl_sweep_analysis;
 
@@ -208,6 +192,86 @@ json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis);
 
 /* The same of a table: the conclusion of the study. A new reference. */
 json_t *pl_sweep_conclude(const pl_result_table *results);
+
+/* ---- Parts of the analysis, in the order in which pl_sweep_analyse calls them ---- */
+
+/* Fills scenes, engines and points from the table, and the flags of hosts and builds. */
+void pl_sweep_gather(pl_sweep_analysis *analysis);
+
+/* ---- Pareto fronts of cost and error ---- */
+
+/* `order` holds the indices of `count` of the samples. Sorts it by cost, then error, then index,
+ * and moves the indices of the front to its beginning, by rising cost and falling error; of equal
+ * samples the first is kept. Returns the size of the front. */
+int pl_front_find(const pl_sweep_sample *samples, int *order, int count);
+
+/* The index of a front's cheapest sample at or below an error; -1: none. */
+int pl_front_cheapest(const pl_sweep_sample *front, int count, double error);
+
+/* The index of a front's most exact sample that costs no more; -1: none. */
+int pl_front_most_exact(const pl_sweep_sample *front, int count, double cost);
+
+/* The cost at an error, interpolated between neighbours of a front linearly in the logarithms; NAN
+ * outside of the front. */
+double pl_front_cost_at_error(const pl_sweep_sample *front, int count, double error);
+
+/* The error at a cost, interpolated in the same way; NAN outside of the front. */
+double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double cost);
+
+/* The points of a scene with what fronts are found in: (count) each. */
+typedef struct pl_front_choice {
+    const pl_sweep_point *points;
+    int count;
+    pl_sweep_sample
+        *samples;           /* of the points, owned; the caller sets those of points that are ok */
+    int *order;             /* gets the front, indices of points; owned */
+    pl_sweep_sample *front; /* gets its samples; owned */
+} pl_front_choice;
+
+/* The points of a scene without samples, for pl_front_end to free. */
+pl_front_choice pl_front_begin(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene);
+
+/* Frees the arrays that are owned. */
+void pl_front_end(pl_front_choice *choice);
+
+/* Finds the front of an engine's points that are ok, and reads it at all levels and times. Returns its size. */
+int pl_front_of(const pl_front_choice *choice, int engine, pl_front_reading *reading);
+
+/* ---- Pairs of engines ---- */
+
+/* Fills the pairs with their means, and the comparisons of each scene, from the curves. */
+void pl_compare_pairwise(pl_sweep_analysis *analysis);
+
+/* The middle 95 % of `values`, which are sorted, without those that are NAN; NAN where over 5 %
+ * are. Percentile interval, Efron 1981. */
+void pl_bootstrap_interval(double *values, int count, double *low, double *high);
+
+/* ---- Observed orders of convergence ---- */
+
+/* How fast the error falls with the time step: the slope of log error over log dt, by least squares
+ * over the converging part. */
+typedef struct pl_sweep_order {
+    /* "found"; "too few time steps": fewer than 3 have an error above the floor; "exact": all errors are at the floor;
+     * "not converging": there are no 3 time steps in a row over which it converges. */
+    const char *finding;
+    double order, deviation; /* the latter: root mean square of the fit, decades of error */
+    double dt_low, dt_high;  /* s: the range used */
+    int used, total;         /* time steps: in the fit, and run */
+} pl_sweep_order;
+
+/* The order of errors (NAN: none; not below the floor) at time steps dt (s, falling).
+ *
+ * The converging part is the longest segment of neighbouring time steps in which the error is above
+ * the floor and falls at least as fast as dt^(1/4); of equally long ones, the one of smaller steps.
+ * Ends that fall less than half as fast as the segment's median pair of neighbours are cut off:
+ * there the steps are still too large, or something other than the step limits the error. */
+pl_sweep_order pl_order_fit(const double *dt, const double *error, int count);
+
+/* The orders of all series of two time steps or more with an error, as in plumb.sweep/2. */
+json_t *pl_orders_find(const pl_sweep_analysis *analysis);
+
+/* The performance profiles, as in plumb.sweep/2: those of whole engines by level, then those of profiles. */
+json_t *pl_profiles_find(const pl_sweep_analysis *analysis);
 
 /* The study, whose runs are results of no study: pl_sweep_conclude concludes from them. */
 extern const pl_study pl_sweep_study;

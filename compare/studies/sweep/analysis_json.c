@@ -1,8 +1,7 @@
 /* The analysis of a sweep as plumb.sweep/2. */
-#include "analysis_parts.h"
+#include "analysis.h"
 
 #include "base/heap.h"
-#include "base/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -103,10 +102,11 @@ static json_t *point_json(const pl_sweep_analysis *analysis, int i)
     json_t *object = json_pack(
         "{s:i, s:i, s:i, s:b, s:o, s:O?, s:f, s:s, s:o, s:o, s:i, s:i, s:o}", "scene", point->scene,
         "engine", point->engines[PL_SWEEP_WHOLE], "profile", point->engines[PL_SWEEP_PROFILE],
-        "as_shipped", (int)(point->engines[PL_SWEEP_SHIPPED] >= 0), "label", text(point->label),
-        "settings", json_object_get(point->row, "settings"), "dt", point->dt, "state",
-        states[point->state], "outcome", text(point->outcome), "reason",
-        text_or_null(point->reason), "repeats", point->repeats, "changes", point->changes, "change",
+        "as_shipped", (int)(point->engines[PL_SWEEP_SHIPPED] >= 0), "label",
+        text(point->row->label), "settings", json_object_get(point->row->result, "settings"), "dt",
+        point->dt, "state", states[point->state], "outcome",
+        text(pl_outcome_name(point->row->outcome)), "reason", text_or_null(point->reason),
+        "repeats", point->repeats, "changes", point->changes, "change",
         text_or_null(point->change));
     if (point->state == PL_SWEEP_OK) {
         add_numbers(point, object);
@@ -196,7 +196,8 @@ static json_t *scene_json(const pl_sweep_analysis *analysis, int p)
 {
     const pl_sweep_scene *scene = &analysis->scenes[p];
     json_t *curves = json_array(), *comparisons = json_array();
-    json_t *params = json_copy(json_object_get(scene->row, "params"));
+    const pl_result_row *row = scene->of->row;
+    json_t *params = json_copy(json_object_get(row->result, "params"));
     json_object_del(params, "dt");
     for (int e = 0; e < analysis->engine_count; ++e) {
         if (scene->curves[e].tried > 0) {
@@ -208,10 +209,10 @@ static json_t *scene_json(const pl_sweep_analysis *analysis, int p)
             json_array_append_new(comparisons, comparison_json(analysis, scene, i));
         }
     }
-    return json_pack("{s:o, s:o, s:o, s:O?, s:o, s:o, s:o, s:o, s:o}", "name", text(scene->name),
-                     "scenario", text(scene->scenario), "params", params, "seed",
-                     json_object_get(scene->row, "seed"), "primary_error",
-                     text(scene->primary_error), "unit", text(scene->unit), "noise",
+    return json_pack("{s:o, s:o, s:o, s:O?, s:o, s:o, s:o, s:o, s:o}", "name",
+                     text(scene->of->name), "scenario", text(row->scenario), "params", params,
+                     "seed", json_object_get(row->result, "seed"), "primary_error",
+                     text(row->primary_error), "unit", text(scene->unit), "noise",
                      number(scene->noise), "curves", curves, "pairs", comparisons);
 }
 
@@ -220,9 +221,10 @@ static json_t *scene_json(const pl_sweep_analysis *analysis, int p)
 static json_t *mean_json(const pl_sweep_pair *pair, int k)
 {
     return json_pack("{s:o, s:i, s:i, s:i, s:i}", "mean_speed", ratio_json(&pair->mean[k]), "both",
-                     pair->both[k], "first_only", pair->first_only[k], "second_only",
-                     pair->second_only[k], "neither",
-                     pair->scenes - pair->both[k] - pair->first_only[k] - pair->second_only[k]);
+                     pair->reached[PL_ATTAINED_BY_BOTH][k], "first_only",
+                     pair->reached[PL_ATTAINED_BY_FIRST_ONLY][k], "second_only",
+                     pair->reached[PL_ATTAINED_BY_SECOND_ONLY][k], "neither",
+                     pair->reached[PL_ATTAINED_BY_NEITHER][k]);
 }
 
 static json_t *pair_json(const pl_sweep_analysis *analysis, int i)
@@ -244,101 +246,88 @@ static json_t *pair_json(const pl_sweep_analysis *analysis, int i)
                      "shown", (int)is_shown(analysis, i), "scenes", pair->scenes, "levels", levels);
 }
 
-static json_t *loss_json(const pl_sweep_analysis *analysis, int i)
+/* ---- Losses ---- */
+
+/* Without an interval, times within 10 % are equal. */
+static const double equal_within = 0.1;
+
+/* A level at which the front of the second engine of a pair is ahead of the first, the home engine's: it is cheaper,
+ * or the first has no point. */
+typedef struct loss {
+    json_t *json;
+    int rank;
+    double speed; /* < 1; NAN: the first has no point */
+    int number;   /* by scene, pair and level */
+} loss;
+
+static int compare_losses(const void *left, const void *right)
 {
-    const pl_sweep_loss *loss = &analysis->losses[i];
-    const pl_sweep_pair *pair = &analysis->pairs[loss->pair];
-    const pl_sweep_curve *curve = &analysis->scenes[loss->scene].curves[pair->first];
-    return json_pack("{s:i, s:i, s:i, s:f, s:o, s:o, s:o, s:o, s:b, s:i}", "scene", loss->scene,
-                     "first", pair->first, "second", pair->second, "level",
-                     pl_sweep_levels[loss->level], "reached", attained_json(loss->attained),
-                     "first_point", place(loss->first), "second_point", place(loss->second),
-                     "speed", ratio_json(&loss->speed), "within_noise", (int)loss->within_noise,
-                     "settings", curve->tried);
+    const loss *a = left, *b = right;
+    const int by_speed = (a->speed > b->speed) - (a->speed < b->speed);
+    return a->rank != b->rank ? a->rank - b->rank
+           : by_speed != 0    ? by_speed
+                              : a->number - b->number;
 }
 
-/* ---- Performance profiles (Dolan and More 2002) ---- */
-
-/* Whether all engines of the kind were run on the scene, and it has a primary error. */
-static bool belongs(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                    pl_sweep_kind kind)
+/* A loss whose interval contains 1 is within noise; without an interval, one above 0.9 is. Errors up to 1e-3 come first,
+ * in them losses beyond noise, in those the ones where the first has no point. */
+static loss make_loss(const pl_sweep_analysis *analysis, int p, int index, int level)
 {
-    for (int e = 0; e < analysis->engine_count; ++e) {
-        if (analysis->engines[e].kind == kind && scene->curves[e].tried == 0) {
-            return false;
-        }
-    }
-    return scene->primary_error[0] != '\0';
+    const pl_sweep_scene *scene = &analysis->scenes[p];
+    const pl_sweep_pair *pair = &analysis->pairs[index];
+    const pl_sweep_curve *first = &scene->curves[pair->first];
+    const pl_attained_by attained = scene->comparisons[index].at_error[level];
+    const pl_sweep_ratio *speed = &scene->comparisons[index].ratios[PL_SPEED + level];
+    const bool both = attained == PL_ATTAINED_BY_BOTH;
+    const bool within_noise =
+        both && (isnan(speed->low) ? speed->value * (1 + equal_within) > 1 : speed->high >= 1);
+    json_t *json =
+        json_pack("{s:i, s:i, s:i, s:f, s:o, s:o, s:o, s:o, s:b, s:i}", "scene", p, "first",
+                  pair->first, "second", pair->second, "level", pl_sweep_levels[level], "reached",
+                  attained_json(attained), "first_point", place(first->cheapest[level]),
+                  "second_point", place(scene->curves[pair->second].cheapest[level]), "speed",
+                  ratio_json(speed), "within_noise", (int)within_noise, "settings", first->tried);
+    return (loss){json, 4 * (level < PL_SWEEP_MATCHED_LEVEL) + 2 * within_noise + both,
+                  speed->value, 0};
 }
 
-/* The engine's cost at the level; INFINITY where no point of it has that error. */
-static double cost_of(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int engine,
-                      int level)
+/* Whether a pair can lose on a scene. */
+static bool is_judged(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int pair)
 {
-    const int reached = scene->curves[engine].cheapest[level];
-    return reached < 0 ? (double)INFINITY : analysis->points[reached].cost;
+    return analysis->engines[analysis->pairs[pair].first].is_home && is_shown(analysis, pair) &&
+           scene->comparisons[pair].run;
 }
 
-/* The engine's costs at a level over the least costs of all engines of its kind, ascending. */
-static json_t *ratios_json(const pl_sweep_analysis *analysis, int engine, int level)
+/* Counts the comparisons, by scene, pair with the home engine and level, where one or both have a point. */
+static json_t *losses_json(const pl_sweep_analysis *analysis, int *compared)
 {
-    const pl_sweep_kind kind = analysis->engines[engine].kind;
-    double *ratios = pl_heap_new((size_t)analysis->scene_count, sizeof *ratios);
+    json_t *array = json_array();
+    loss *losses = NULL;
     int count = 0;
-    for (int p = 0; p < analysis->scene_count; ++p) {
-        const pl_sweep_scene *scene = &analysis->scenes[p];
-        const double cost = cost_of(analysis, scene, engine, level);
-        double least = cost;
-        for (int e = 0; e < analysis->engine_count; ++e) {
-            least = analysis->engines[e].kind == kind
-                        ? fmin(least, cost_of(analysis, scene, e, level))
-                        : least;
-        }
-        if (isfinite(cost) && belongs(analysis, scene, kind)) {
-            ratios[count++] = cost / least;
+    *compared = 0;
+    for (int n = 0; n < analysis->scene_count * analysis->pair_count * PL_SWEEP_LEVELS; ++n) {
+        const int level = n % PL_SWEEP_LEVELS, pair = n / PL_SWEEP_LEVELS % analysis->pair_count;
+        const int p = n / PL_SWEEP_LEVELS / analysis->pair_count;
+        const pl_pairwise_comparison *comparison = &analysis->scenes[p].comparisons[pair];
+        if (is_judged(analysis, &analysis->scenes[p], pair)) {
+            const pl_attained_by attained = comparison->at_error[level];
+            *compared += attained != PL_ATTAINED_BY_NEITHER;
+            if (attained == PL_ATTAINED_BY_SECOND_ONLY ||
+                comparison->ratios[PL_SPEED + level].value < 1) {
+                loss made = make_loss(analysis, p, pair, level);
+                made.number = n;
+                pl_push(&losses, &count, &made, sizeof made);
+            }
         }
     }
-    pl_sort_numbers(ratios, count);
-    json_t *array = numbers(ratios, count);
-    free(ratios);
+    if (count > 0) {
+        qsort(losses, (size_t)count, sizeof *losses, compare_losses);
+    }
+    for (int i = 0; i < count; ++i) {
+        json_array_append_new(array, losses[i].json);
+    }
+    free(losses);
     return array;
-}
-
-/* The shares of scenes that an engine solves within factors of the least cost. */
-static json_t *shares_json(const json_t *ratios, int scenes)
-{
-    static const double factors[] = {1, 1.5, 2, 3, 5, 10, 100, (double)INFINITY};
-    json_t *shares = json_array();
-    for (size_t k = 0, count = 0; k < sizeof factors / sizeof factors[0] && scenes > 0; ++k) {
-        while (count < json_array_size(ratios) &&
-               json_number_value(json_array_get(ratios, count)) <= factors[k]) {
-            ++count;
-        }
-        json_array_append_new(shares, json_real((double)count / scenes));
-    }
-    return shares;
-}
-
-/* First those of whole engines by level, then those of profiles. */
-static json_t *profile_json(const pl_sweep_analysis *analysis, int i)
-{
-    const pl_sweep_kind kind = i < PL_SWEEP_LEVELS ? PL_SWEEP_WHOLE : PL_SWEEP_PROFILE;
-    const int level = i % PL_SWEEP_LEVELS;
-    int scenes = 0;
-    json_t *engines = json_array();
-    for (int p = 0; p < analysis->scene_count; ++p) {
-        scenes += belongs(analysis, &analysis->scenes[p], kind);
-    }
-    for (int e = 0; e < analysis->engine_count; ++e) {
-        if (analysis->engines[e].kind == kind) {
-            json_t *ratios = ratios_json(analysis, e, level);
-            json_array_append_new(engines,
-                                  json_pack("{s:i, s:o, s:o}", "engine", e, "ratios", ratios,
-                                            "shares", shares_json(ratios, scenes)));
-        }
-    }
-    return json_pack("{s:f, s:b, s:i, s:o}", "level", pl_sweep_levels[level], "all_profiles",
-                     (int)(kind == PL_SWEEP_WHOLE), "scenes", scenes, "engines", engines);
 }
 
 /* Whether a profile has several points on a scene: other settings or time steps. */
@@ -356,16 +345,21 @@ static bool is_varied(const pl_sweep_analysis *analysis)
 /* ---- In words ---- */
 
 /* How many comparisons the home engine loses, or without one how many pairs were compared. */
-static char *statement_of(const pl_sweep_analysis *analysis)
+static char *statement_of(const pl_sweep_analysis *analysis, const json_t *losses, int compared)
 {
     const char *home = analysis->results->home;
     bool others = false;
-    int within = 0, pairs = 0;
+    const int count = (int)json_array_size(losses);
+    int within = 0, fine = 0, pairs = 0;
+    size_t index;
+    const json_t *item;
     for (int i = 0; i < analysis->engine_count; ++i) {
         others |= !analysis->engines[i].is_home;
     }
-    for (int i = 0; i < analysis->loss_count; ++i) {
-        within += analysis->losses[i].within_noise;
+    json_array_foreach(losses, index, item)
+    {
+        within += json_is_true(json_object_get(item, "within_noise"));
+        fine += pl_study_number(item, "level") <= pl_sweep_levels[PL_SWEEP_MATCHED_LEVEL];
     }
     for (int i = 0; i < analysis->pair_count; ++i) {
         pairs += is_shown(analysis, i);
@@ -376,21 +370,20 @@ static char *statement_of(const pl_sweep_analysis *analysis)
     if (!others) {
         return pl_heap_copy("Nothing was compared: these results hold no other engine.");
     }
-    if (analysis->compared == 0) {
+    if (compared == 0) {
         return pl_heap_format("Nothing was compared: on no scene did %s or another engine that was "
                               "run on it reach any of the errors.",
                               home);
     }
-    if (analysis->loss_count == 0) {
+    if (count == 0) {
         return pl_heap_format("No losses: in none of %d comparisons (scene, engine, error) is "
                               "another engine's front ahead of that of %s.",
-                              analysis->compared, home);
+                              compared, home);
     }
     return pl_heap_format("Another engine's front is ahead of that of %s in %d of %d comparisons "
                           "(scene, engine, error): in %d at errors up to 1e-3, in %d at larger "
                           "ones; %d of all are within noise.",
-                          home, analysis->loss_count, analysis->compared, analysis->fine_losses,
-                          analysis->loss_count - analysis->fine_losses, within);
+                          home, count, compared, fine, count - fine, within);
 }
 
 /* Which engines' adapters conformance checks have not verified; "" where all have. */
@@ -423,6 +416,8 @@ static void set_said(json_t *json, const char *key, char *said)
 
 json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis)
 {
+    int compared;
+    json_t *losses = losses_json(analysis, &compared);
     json_t *json = json_pack(
         "{s:s, s:i, s:b, s:f, s:i, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
         "schema", "plumb.sweep/2", "runs", analysis->results->row_count, "varied",
@@ -430,16 +425,15 @@ json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis)
         PL_BOOTSTRAP_REPLICATES, "levels", numbers(pl_sweep_levels, PL_SWEEP_LEVELS), "times",
         numbers(pl_sweep_times, PL_SWEEP_TIMES), "several_hosts",
         (int)analysis->results->several_hosts, "several_builds", (int)analysis->several_builds,
-        "engines", list(analysis, analysis->engine_count, engine_json), "losses",
-        list(analysis, analysis->loss_count, loss_json), "pairs",
-        list(analysis, analysis->pair_count, pair_json), "profiles",
-        list(analysis, 2 * PL_SWEEP_LEVELS, profile_json), "orders", pl_orders_find(analysis),
-        "scenes", list(analysis, analysis->scene_count, scene_json), "points",
+        "engines", list(analysis, analysis->engine_count, engine_json), "losses", losses, "pairs",
+        list(analysis, analysis->pair_count, pair_json), "profiles", pl_profiles_find(analysis),
+        "orders", pl_orders_find(analysis), "scenes",
+        list(analysis, analysis->scene_count, scene_json), "points",
         list(analysis, analysis->point_count, point_json));
     if (analysis->results->home != NULL) {
         json_object_set_new(json, "home", json_string(analysis->results->home));
     }
-    char *statement = statement_of(analysis);
+    char *statement = statement_of(analysis, losses, compared);
     set_said(json, "statement",
              analysis->unjudged == 0
                  ? pl_heap_copy(statement)

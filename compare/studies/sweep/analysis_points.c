@@ -1,5 +1,5 @@
 /* Makes points of the cells of a table, and finds the cost and the error of each. */
-#include "analysis_parts.h"
+#include "analysis.h"
 
 #include "base/hash.h"
 #include "base/heap.h"
@@ -45,10 +45,8 @@ static double median_of(const pl_sweep_point *point, bool errors, double centre,
 /* Notes the row that a point has its outcome from. */
 static void take_row(const pl_result_row *row, const char *reason, pl_sweep_point *point)
 {
-    point->row = row->result;
+    point->row = row;
     point->change = row->change;
-    point->outcome = pl_outcome_name(row->outcome);
-    point->label = row->label;
     point->reason = reason;
 }
 
@@ -396,12 +394,7 @@ void pl_sweep_gather(pl_sweep_analysis *analysis)
     for (int i = 0; i < results->scene_count; ++i) {
         const pl_result_scene *scene = &results->scenes[i];
         analysis->scenes[analysis->scene_count++] =
-            (pl_sweep_scene){.name = scene->name,
-                             .row = scene->row->result,
-                             .scenario = scene->row->scenario,
-                             .primary_error = scene->row->primary_error,
-                             .unit = unit_of(scene),
-                             .first = analysis->point_count};
+            (pl_sweep_scene){scene, unit_of(scene), .first = analysis->point_count};
         add_points(scene, analysis);
     }
 }

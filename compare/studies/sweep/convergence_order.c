@@ -1,5 +1,5 @@
 /* Observed orders of convergence: least squares of log error over log dt. */
-#include "analysis_parts.h"
+#include "analysis.h"
 
 #include "base/heap.h"
 #include "base/statistics.h"
@@ -42,13 +42,14 @@ static segment longest_segment(const double *dt, const double *error, int count)
 }
 
 /* Cuts off ends that fall less than half as fast as the median; three time steps stay. */
-static segment without_slow_ends(const double *dt, const double *error, segment part,
-                                 double *scratch)
+static segment without_slow_ends(const double *dt, const double *error, segment part)
 {
+    double *scratch = pl_heap_new((size_t)(part.last - part.first), sizeof *scratch);
     for (int i = part.first; i < part.last; ++i) {
         scratch[i - part.first] = slope_after(dt, error, i);
     }
     double bound = 0.5 * pl_median(scratch, part.last - part.first);
+    free(scratch);
     while (part.last - part.first > 2 && slope_after(dt, error, part.last - 1) < bound) {
         --part.last;
     }
@@ -81,40 +82,33 @@ static void fit(const double *dt, const double *error, segment part, pl_sweep_or
     order->used = count;
 }
 
-void pl_order_fit(const double *dt, const double *error, int count, pl_sweep_order *order)
+pl_sweep_order pl_order_fit(const double *dt, const double *error, int count)
 {
+    const double none = (double)NAN;
+    pl_sweep_order order = {"not converging", none, none, none, none, 0, count};
     int known = 0, at_floor = 0;
-    order->order = order->deviation = order->dt_low = order->dt_high = (double)NAN;
-    order->used = 0;
-    order->total = count;
     for (int i = 0; i < count; ++i) {
         known += !isnan(error[i]);
         at_floor += error[i] <= pl_sweep_error_floor;
     }
-    if (known > 0 && at_floor == known) {
-        order->kind = PL_SWEEP_ORDER_EXACT;
-        return;
-    }
     if (known - at_floor < 3) {
-        order->kind = PL_SWEEP_ORDER_TOO_FEW;
-        return;
+        order.finding = known > 0 && at_floor == known ? "exact" : "too few time steps";
+        return order;
     }
-    segment part = longest_segment(dt, error, count);
-    double *scratch = pl_heap_new((size_t)count, sizeof *scratch);
-    order->kind = part.last - part.first < 2 ? PL_SWEEP_ORDER_NOT_CONVERGING : PL_SWEEP_ORDER_FOUND;
-    if (order->kind == PL_SWEEP_ORDER_FOUND) {
-        fit(dt, error, without_slow_ends(dt, error, part, scratch), order);
+    const segment part = longest_segment(dt, error, count);
+    if (part.last - part.first >= 2) {
+        order.finding = "found";
+        fit(dt, error, without_slow_ends(dt, error, part), &order);
     }
-    free(scratch);
+    return order;
 }
 
 static json_t *order_json(const pl_sweep_analysis *analysis, int first, const pl_sweep_order *order)
 {
-    static const char *const kinds[] = {"found", "too few time steps", "exact", "not converging"};
     const pl_sweep_point *point = &analysis->points[first];
     return json_pack(
         "{s:i, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:i, s:i}", "scene", point->scene, "engine",
-        point->engines[PL_SWEEP_PROFILE], "point", first, "finding", kinds[order->kind], "order",
+        point->engines[PL_SWEEP_PROFILE], "point", first, "finding", order->finding, "order",
         pl_json_number_or_null(order->order), "deviation", pl_json_number_or_null(order->deviation),
         "dt_low", pl_json_number_or_null(order->dt_low), "dt_high",
         pl_json_number_or_null(order->dt_high), "used", order->used, "total", order->total);
@@ -137,8 +131,7 @@ json_t *pl_orders_find(const pl_sweep_analysis *analysis)
             is_known = is_known || !isnan(errors[next - first]);
         }
         if (next - first > 1 && is_known) {
-            pl_sweep_order order;
-            pl_order_fit(dt, errors, next - first, &order);
+            const pl_sweep_order order = pl_order_fit(dt, errors, next - first);
             json_array_append_new(orders, order_json(analysis, first, &order));
         }
     }

@@ -94,27 +94,22 @@ static drawn_engine begin_engine(const pl_draw_def *def, int index)
     return e;
 }
 
-pl_drawn_settings pl_draw_settings(const pl_draw_def *def)
+pl_setting *pl_draw_settings(const pl_draw_def *def, int *count)
 {
-    pl_drawn_settings drawn = {.count = 0};
+    pl_setting *drawn = NULL;
     drawn_engine *engines = NULL;
-    int count = 0;
+    int engine_count = 0;
+    *count = 0;
     for (int i = 0; i < def->plan->configuration_count; ++i) {
         const drawn_engine e = begin_engine(def, i);
         if (e.choice_count > 0) {
-            pl_push(&engines, &count, &e, sizeof e);
+            pl_push(&engines, &engine_count, &e, sizeof e);
         }
     }
-    for (int i = 0; i < def->settings * count; ++i) {
-        const pl_setting setting = draw_setting(&engines[i % count], i / count);
-        pl_push(&drawn.items, &drawn.count, &setting, sizeof setting);
+    for (int i = 0; i < def->settings * engine_count; ++i) {
+        const pl_setting setting = draw_setting(&engines[i % engine_count], i / engine_count);
+        pl_push(&drawn, count, &setting, sizeof setting);
     }
     free(engines);
     return drawn;
-}
-
-void pl_drawn_settings_free(pl_drawn_settings *drawn)
-{
-    free(drawn->items);
-    *drawn = (pl_drawn_settings){.count = 0};
 }

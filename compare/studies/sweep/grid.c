@@ -334,7 +334,6 @@ static pl_status add_configuration(grid *g, const pl_engine_choice *asked,
 static pl_status add_configurations(grid *g, pl_error *error)
 {
     const pl_plan *base = g->def->base;
-    const pl_drawn_settings *drawn = g->def->drawn;
     pl_status status = PL_OK;
     bool more = true;
     for (long number = 0; more && status == PL_OK; ++number) {
@@ -352,8 +351,8 @@ static pl_status add_configurations(grid *g, pl_error *error)
             }
         }
     }
-    for (int i = 0; drawn != NULL && i < drawn->count && status == PL_OK; ++i) {
-        const pl_setting *setting = &drawn->items[i];
+    for (int i = 0; i < g->def->drawn_count && status == PL_OK; ++i) {
+        const pl_setting *setting = &g->def->drawn[i];
         status = add_configuration(g, &pl_drawn_from(base, setting)->choice, &setting->choice,
                                    setting->dt, error);
     }

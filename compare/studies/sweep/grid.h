@@ -26,14 +26,6 @@ enum {
 
 /* ---- Drawn settings ---- */
 
-/* The settings that the usual sweep tries of each engine, which take turns: spread over its profiles, its tunable
- * options and the time step by pl_design_place. Of 2^k settings each has a stratum of its own, a 2^k-th, of every
- * range. */
-typedef struct pl_drawn_settings {
-    pl_setting *items; /* (count), owned */
-    int count;
-} pl_drawn_settings;
-
 /* The engines, steps and number of settings to draw. */
 typedef struct pl_draw_def {
     const pl_plan *plan; /* its configurations name the engines */
@@ -44,17 +36,16 @@ typedef struct pl_draw_def {
     bool all_profiles;
 } pl_draw_def;
 
-/* Draws the settings, the same on every machine: values are rounded to three digits, and an option
+/* Draws the settings that the usual sweep tries of each engine, which take turns: spread over its profiles, its tunable
+ * options and the time step by pl_design_place. Of 2^k settings each has a stratum of its own, a 2^k-th, of every
+ * range. They are the same on every machine: values are rounded to three digits, and an option
  * moves through its range in an order of its own, which other options and engines do not change. A
  * configuration with a label is an engine for itself. Options without a tune range, and those that
- * the user set, keep their values. The caller frees the settings. */
-pl_drawn_settings pl_draw_settings(const pl_draw_def *def);
+ * the user set, keep their values. Sets *count, and returns the array, which the caller frees; NULL: there are none. */
+pl_setting *pl_draw_settings(const pl_draw_def *def, int *count);
 
 /* The configuration of a plan that a drawn setting is of: the first of its engine, or that of its label. */
 const pl_configuration *pl_drawn_from(const pl_plan *plan, const pl_setting *setting);
-
-/* Frees the settings. */
-void pl_drawn_settings_free(pl_drawn_settings *drawn);
 
 /* ---- The grid ---- */
 
@@ -63,8 +54,8 @@ typedef struct pl_grid_def {
     const pl_plan *base; /* the cases and engines as asked for, unvaried; repeats; seed */
     const pl_vary *varied;
     int varied_count;
-    /* Settings that are run besides, each on the cases of its own time step; NULL: none. */
-    const pl_drawn_settings *drawn;
+    const pl_setting *drawn; /* (drawn_count) that are run besides, each at its own time step */
+    int drawn_count;
     int changes; /* of each scene, at most (pl_variants_swept): on each, every point is run once */
     pl_shard shard;
 } pl_grid_def;

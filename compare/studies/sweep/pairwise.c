@@ -6,7 +6,7 @@
  * is drawn is moved by the scene's noise (the smoothed bootstrap, Silverman and Young 1987). Each
  * point has a random stream of its own, so that the replicates of one engine do not depend on which
  * others were run. */
-#include "analysis_parts.h"
+#include "analysis.h"
 
 #include "base/heap.h"
 #include "base/random.h"
@@ -143,9 +143,7 @@ static void add_to_means(const workspace *a, pl_sweep_analysis *analysis, int in
     const pl_front_reading *second = replicates_of(a, pair->second);
     ++pair->scenes;
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-        pair->both[k] += comparison->at_error[k] == PL_ATTAINED_BY_BOTH;
-        pair->first_only[k] += comparison->at_error[k] == PL_ATTAINED_BY_FIRST_ONLY;
-        pair->second_only[k] += comparison->at_error[k] == PL_ATTAINED_BY_SECOND_ONLY;
+        ++pair->reached[comparison->at_error[k]][k];
         if (comparison->at_error[k] != PL_ATTAINED_BY_BOTH) {
             continue;
         }
@@ -167,7 +165,8 @@ static void compare_pair(const workspace *a, pl_sweep_analysis *analysis,
     const pl_sweep_curve *first = &scene->curves[pair->first];
     const pl_sweep_curve *second = &scene->curves[pair->second];
     pl_pairwise_comparison *comparison = &scene->comparisons[index];
-    comparison->run = scene->primary_error[0] != '\0' && first->tried > 0 && second->tried > 0;
+    comparison->run =
+        scene->of->row->primary_error[0] != '\0' && first->tried > 0 && second->tried > 0;
     if (!comparison->run) {
         return;
     }
@@ -192,7 +191,7 @@ static void finish_means(const workspace *a, pl_sweep_analysis *analysis)
     for (int i = 0; i < analysis->pair_count; ++i) {
         for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
             pl_sweep_ratio *mean = &analysis->pairs[i].mean[k];
-            const int count = analysis->pairs[i].both[k];
+            const int count = analysis->pairs[i].reached[PL_ATTAINED_BY_BOTH][k];
             double *logs = logs_of(a, i, k);
             mean->value = count == 0 ? (double)NAN : exp(mean->value / count);
             mean->low = mean->high = (double)NAN;

@@ -1,5 +1,5 @@
 /* Levels, and Pareto fronts of cost and error. */
-#include "analysis_parts.h"
+#include "analysis.h"
 
 #include "base/heap.h"
 
