@@ -84,6 +84,7 @@ static pl_status make_runs(void *user, pl_execution_def *how, int *signal_number
     return status;
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the type is that of a study */
 static pl_status finish(void *user, const json_t *conclusion, int *code, pl_error *error)
 {
     const options *o = user;

@@ -134,6 +134,7 @@ static void write_report(making *m)
     if (o->figure == NULL) {
         pl_call_need(m->call, pl_report_write(&def, m->call->error));
     } else {
+        /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): a picture has a format */
         pl_call_need(m->call, pl_figure_write(&def, o->figure, o->format->name, m->request->force,
                                               &picture, m->call->error));
         pl_print_line(stderr, "the picture is in %s", picture);

@@ -8,8 +8,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-extern char **environ;
-
 int pl_run_program(const char *const *argv, const char *output)
 {
     int ended = 0;

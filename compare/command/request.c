@@ -381,7 +381,7 @@ pl_status pl_request_add_engines(const pl_call *call, const pl_request *request,
 {
     int count;
     const pl_built_in *known = pl_built_in_engines(&count);
-    bool wanted[PL_MOST_BUILT_IN];
+    bool wanted[PL_MOST_BUILT_IN] = {false};
     for (int i = 0; i < count; ++i) {
         wanted[i] = known[i].script == NULL && request->engines.count == 0;
     }

@@ -12,7 +12,7 @@ const pl_check *pl_conformance_check(int index)
     static const pl_check *const files[] = {
         pl_state_checks,    pl_place_checks,   pl_motion_checks,  pl_mass_checks,   pl_claim_checks,
         pl_material_checks, pl_contact_checks, pl_impulse_checks, pl_conduct_checks};
-    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
+    for (size_t i = 0; i < sizeof files / sizeof(const pl_check *); ++i) {
         for (const pl_check *check = files[i]; check->name != NULL; ++check, --index) {
             if (index == 0) {
                 return check;

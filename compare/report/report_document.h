@@ -83,7 +83,7 @@ void pl_findings_find(const pl_result_table *results, pl_all_findings *findings)
 /* Adds how many runs of the home engine (`home`) are not accurate, and a table of them, in which `shown` rows are shown
  * at first (0: all). Of the others as a section, with what is known of their adapters and how causes were found.
  * `is_short`: without experiments and reasons. Nothing where no run was judged. */
-void pl_findings_describe(const pl_all_findings *findings, bool home, int shown, bool is_short,
+void pl_findings_describe(const pl_all_findings *all, bool home, int shown, bool is_short,
                           pl_document *document);
 
 /* ---- The document ---- */

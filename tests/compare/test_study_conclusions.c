@@ -113,6 +113,17 @@ static json_t *member_run(const char *run, int setting, int member, int members,
                      spread);
 }
 
+static void test_a_negative_member_is_refused(void **state)
+{
+    (void)state;
+    json_t *results = json_pack("[o]", member_run("a", 0, -1, 2, 1)), *conclusion = NULL;
+    pl_error error = {.message = ""};
+    assert_int_equal(pl_ensemble_study.conclude(results, "/nonexistent", &conclusion, &error),
+                     PL_BAD_INPUT);
+    assert_contains(error.message, "results[0]: expected a member of an ensemble");
+    json_decref(results);
+}
+
 static void check_values(const json_t *ensemble, const double *expected, size_t count)
 {
     const json_t *sample = json_object_get(json_object_get(ensemble, "observables"), "spread_x");
@@ -153,6 +164,7 @@ int main(void)
         cmocka_unit_test(test_a_check_has_its_early_and_late_verdict),
         cmocka_unit_test(test_checks_belong_to_the_newest_plain_run),
         cmocka_unit_test(test_a_result_of_another_form_is_refused),
+        cmocka_unit_test(test_a_negative_member_is_refused),
         cmocka_unit_test(test_members_are_in_order_and_the_newest_count),
     };
     return cmocka_run_group_tests_name("study conclusions", tests, NULL, NULL);

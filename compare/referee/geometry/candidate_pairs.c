@@ -28,6 +28,7 @@ static bool same_surface(const pl_shape *a, const pl_shape *b)
 {
     return a->kind == b->kind && a->polyhedron == b->polyhedron &&
            a->half_height == b->half_height &&
+           /* NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): of bits */
            memcmp(a->half_extents, b->half_extents, sizeof a->half_extents) == 0;
 }
 
@@ -218,6 +219,7 @@ static bool take_frame(pl_candidate_pairs *p, const pl_body_state *bodies)
     p->has_frame = true;
     for (int i = 0; i < p->scene->body_count; ++i) {
         if (!p->scene->bodies[i].is_static &&
+            /* NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): of bits */
             memcmp(&p->bodies[i], &bodies[i], sizeof bodies[i]) != 0) {
             p->bodies[i] = bodies[i];
             differs = true;

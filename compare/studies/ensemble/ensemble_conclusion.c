@@ -30,6 +30,7 @@ static pl_status check_results(const json_t *results, pl_error *error)
     {
         if (!json_is_object(pl_study_get(result, "study.case")) ||
             !json_is_integer(json_object_get(result, "member")) ||
+            pl_study_integer(result, "member") < 0 ||
             pl_study_integer(result, "ensemble.members") < 1) {
             return pl_fail(error, PL_BAD_INPUT,
                            "results[%zu]: expected a member of an ensemble, with study.case, "
@@ -45,7 +46,7 @@ static int most_members(const json_t *results)
 {
     size_t index;
     const json_t *result;
-    int most = 0;
+    int most = 1;
     json_array_foreach((json_t *)results, index, result)
     {
         const int members = pl_study_integer(result, "ensemble.members");
@@ -58,7 +59,7 @@ static int most_members(const json_t *results)
  * of the scene. */
 static void order_members(const json_t *group, int members, pl_ensemble_view *view)
 {
-    json_t **newest = pl_heap_new((size_t)members, sizeof *newest), *result;
+    json_t **newest = pl_heap_new((size_t)members, sizeof(json_t *)), *result;
     size_t index;
     view->results = json_array();
     view->runs = json_array();

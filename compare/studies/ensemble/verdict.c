@@ -145,12 +145,12 @@ static void correct(const pl_ensemble_view *views, const int *observables, json_
     json_array_foreach(comparisons, i, c)
     {
         const bool apart = corrected[i] < pl_significance;
+        const pl_ensemble_view *a = &views[pl_study_integer(c, "a")];
+        const pl_ensemble_view *b = &views[pl_study_integer(c, "b")];
+        /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): each comparison has an observable */
+        json_t *finding = apart ? sentence(a, b, observables[i], corrected[i]) : json_null();
         json_t *told = json_pack("{s:f, s:s, s:o}", "p_corrected", corrected[i], "verdict",
-                                 apart ? "told apart" : "not told apart", "finding",
-                                 apart ? sentence(&views[pl_study_integer(c, "a")],
-                                                  &views[pl_study_integer(c, "b")], observables[i],
-                                                  corrected[i])
-                                       : json_null());
+                                 apart ? "told apart" : "not told apart", "finding", finding);
         json_object_update(c, told);
         json_decref(told);
     }

@@ -401,6 +401,7 @@ static void add_points(const grid *g)
         const pl_case *test_case = &plan->cases[i];
         const double step = test_case->params[pl_scenario_param(test_case->descriptor, "dt")];
         for (int k = 0; k < plan->configuration_count; ++k) {
+            /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): each configuration has one */
             if ((isnan(g->steps[k]) || g->steps[k] == step) &&
                 pl_shard_of_point(shard->count, plan->case_count, plan->configuration_count, i,
                                   k) == shard->index) {
