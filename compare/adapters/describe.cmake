@@ -1,4 +1,4 @@
-# Makes constants of the engine ABI of NAME/hello.json, in which an engine says what it is in the words of plumb.engine/1
+# Makes constants of the engine ABI of `hello` of NAME/engine.json, in which an engine says what it is in the words of plumb.engine/1
 # (process/PROTOCOL.md), so that its adapter has functions alone.
 
 # The member of `json` at a path as C has it: a text with its quotes, a number, true or false; `otherwise` where there is none.
@@ -63,10 +63,9 @@ function(plumb_row out json)
   set(${out} "${row}" PARENT_SCOPE)
 endfunction()
 
-# Writes NAME_description.h for the hello.json of the present folder, which is of the engine NAME.
+# Writes NAME_description.h for `hello` of the description of the engine NAME.
 function(plumb_describe name)
-  file(READ hello.json hello)
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/hello.json)
+  set(hello "${PLUMB_HELLO_${name}}")
   foreach(key profiles options sources)
     plumb_indices(indices_${key} "${hello}" ${key})
   endforeach()
@@ -129,7 +128,7 @@ function(plumb_describe name)
   string(REGEX REPLACE ", $" "" texts "${texts}")
   string(TOUPPER ${name} upper)
   file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}_description.h @ONLY CONTENT
-"/* What ${name}/hello.json says. */
+"/* What ${name}/engine.json says of `hello`. */
 #ifndef PLUMB_${upper}_DESCRIPTION_H
 #define PLUMB_${upper}_DESCRIPTION_H
 

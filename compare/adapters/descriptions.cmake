@@ -1,4 +1,5 @@
-# Reads the description of each engine, adapters/NAME/engine.json: PLUMB_ENGINES has the names in the order of reports.
+# Reads the description of each engine, adapters/NAME/engine.json: PLUMB_ENGINES has the names in the order of reports,
+# PLUMB_HELLO_NAME what the engine says of itself, and PLUMB_DESCRIPTION_NAME the rest.
 # The folder that includes this has all targets that C++ is linked into below it, as enable_language demands.
 find_package(PkgConfig REQUIRED)
 option(PLUMB_ADAPTER_MODULES "Build adapters that are shared objects, where their engines are present" ON)
@@ -45,6 +46,10 @@ foreach(file IN LISTS descriptions)
   file(READ ${file} text)
   string(JSON name GET "${text}" name)
   string(JSON place GET "${text}" place)
+  string(JSON PLUMB_HELLO_${name} ERROR_VARIABLE fault GET "${text}" hello)
+  if(NOT fault)
+    string(JSON text REMOVE "${text}" hello)
+  endif()
   set(PLUMB_DESCRIPTION_${name} "${text}")
   list(APPEND PLUMB_ENGINES ${place}:${name})
 endforeach()

@@ -31,7 +31,7 @@
                                               pl_contact *contacts, int capacity);
 
 /* Defines the function that returns the table of an engine: these functions, and what the header that is
- * made of its hello.json has. */
+ * made of its engine.json has. */
 #define PL_ENGINE(entry, name_)                                                                    \
     const pl_engine *entry(void);                                                                  \
     const pl_engine *entry(void)                                                                   \

@@ -3,7 +3,7 @@
 # PLUMB_PRESENT_MODULES of those that are shared objects.
 #
 # plumb_engine(VERSION V [LIBRARIES ...] [DEFINITIONS ...] [OPTIONS ...]) builds an adapter of all C and C++ files of
-# the folder and of its hello.json (describe.cmake): into plumb_adapters, or as the shared object plumb_NAME, which is loaded when the engine is asked for. Its files know
+# the folder and of its engine.json (describe.cmake): into plumb_adapters, or as the shared object plumb_NAME, which is loaded when the engine is asked for. Its files know
 # the version as PLUMB_NAME_VERSION. OPTIONS are of its C++ files: what not to warn about in the engine's headers.
 include(adapters/describe.cmake)
 

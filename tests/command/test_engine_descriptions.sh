@@ -17,10 +17,10 @@ import glob, json, os, re, sys
 
 source, build = sys.argv[1:]
 MEMBERS = {"name", "title", "place", "language", "adapter", "words", "colour"}
-OPTIONAL = {"linked": {"debian", "libraries", "headers", "family", "makers", "speed", "results",
+OPTIONAL = {"linked": {"hello", "debian", "libraries", "headers", "family", "makers", "speed", "results",
                        "not_tuned"},
-            "module": {"debian", "headers", "family", "makers", "speed", "results"},
-            "script": {"script", "npm", "npm_version", "family", "makers"}}
+            "module": {"hello", "debian", "headers", "family", "makers", "speed", "results"},
+            "script": {"hello", "script", "npm", "npm_version", "family", "makers"}}
 engines = []
 for path in glob.glob(source + "/adapters/*/engine.json"):
     with open(path) as file:
@@ -39,9 +39,8 @@ HELLO = {"": {"description", "runtime", "residual_unit", "capabilities", "contac
          "profiles": {"name", "help", "in_default_comparison", "step_code", "values"},
          "options": {"name", "value", "min", "max", "integer", "unit", "help", "code", "tune"},
          "sources": {"profile", "option", "text"}}
-for path in glob.glob(source + "/adapters/*/hello.json"):
-    with open(path) as file:
-        hello = json.load(file)
+for engine in engines:
+    path, hello = engine["name"], engine.get("hello", {"profiles": []})
     names = {key: [item["name"] for item in hello.get(key, ())] for key in ("profiles", "options")}
     used = {"profiles": [source["profile"] for source in hello.get("sources", ())],
             "options": [source["option"] for source in hello.get("sources", ()) if "option" in source]}

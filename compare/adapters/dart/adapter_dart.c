@@ -9,7 +9,7 @@
  *
  * recommended: ODE's detector, with more contacts, as Gazebo sets DART up, whose plugin DART's
  * releases are tested with. What DART's authors advise for contacts is Bullet's detector (issues
- * 860, 1065 and 1183 of dartsim/dart), which Gazebo had before. The sources in hello.json have the
+ * 860, 1065 and 1183 of dartsim/dart), which Gazebo had before. The sources in engine.json have the
  * citations.
  *
  * DART has no sleeping and no damping of its own. Its default step is 1/1000 s (World.cpp); here it

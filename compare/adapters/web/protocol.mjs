@@ -43,9 +43,9 @@ export function packageOf(name, ...others) {
 const ADAPTER = process.argv[1];
 const DESCRIPTION = ADAPTER.replace(/mjs$/, 'json');
 
-/** What the adapter's hello.json says, which lies next to it by its name, with the engine's own `values` of options. */
+/** `hello` of the engine's description, which lies next to the adapter by its name, with the engine's own `values` of options. */
 export function describe(version, files, values = {}) {
-  const hello = JSON.parse(fs.readFileSync(DESCRIPTION));
+  const {hello} = JSON.parse(fs.readFileSync(DESCRIPTION));
   hello.options?.forEach((option) => {
     option.value = values[option.name] ?? option.value;
   });
