@@ -22,6 +22,9 @@ typedef struct pl_built_in {
 extern const pl_built_in pl_built_in_table[];
 extern const int pl_built_in_count;
 
+/* The spec of the engine that makes converged references. */
+extern const char pl_reference_engine[];
+
 /* Whether the engine can be run here: it is linked, its shared object was built, or node and its npm
  * package are installed. */
 bool pl_built_in_is_present(const pl_built_in *built_in);

@@ -34,7 +34,7 @@ void pl_gate_verdict_summary(const pl_gate_verdict *verdict, char *text, size_t 
 
 /* ---- Text ---- */
 
-/* "tower n=10 / plumb:accurate", or how many rows it is of. */
+/* "tower n=10 / ode:quick", or how many rows it is of. */
 static void place_text(const pl_gate_entry *entry, char text[PLACE_SIZE])
 {
     if (entry->row != NULL) {

@@ -18,7 +18,7 @@ import glob, json, os, re, sys
 source, build = sys.argv[1:]
 MEMBERS = {"name", "title", "place", "language", "adapter", "words", "colour"}
 OPTIONAL = {"linked": {"hello", "debian", "libraries", "headers", "family", "makers", "speed", "results",
-                       "not_tuned"},
+                       "not_tuned", "reference"},
             "module": {"hello", "debian", "headers", "family", "makers", "speed", "results"},
             "script": {"hello", "script", "npm", "npm_version", "family", "makers"}}
 engines = []

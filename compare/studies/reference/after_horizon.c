@@ -1,4 +1,5 @@
 /* Ensembles of the engines, for where the reference has lost its meaning. */
+#include "adapters/built_in.h"
 #include "base/heap.h"
 #include "plumb/jitter.h"
 #include "reference_verdict.h"

@@ -1,5 +1,6 @@
 #include "converged_reference.h"
 
+#include "adapters/built_in.h"
 #include "base/heap.h"
 #include "plumb/jitter.h"
 #include "runner/positions.h"
@@ -10,7 +11,6 @@
 #include <string.h>
 
 const double pl_reference_share = 0.01, pl_reference_least_bound = 1e-3, pl_reference_safety = 3;
-const char pl_reference_engine[] = "plumb:accurate";
 
 /* Every engine runs at this many steps, by which one is chosen to confirm the reference. */
 enum { LEAST_LEVELS = 3 };

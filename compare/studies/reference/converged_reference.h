@@ -1,4 +1,4 @@
-/* A converged reference for one scene: the paths of plumb:accurate at the finest of several steps
+/* A converged reference for one scene: the paths of one engine at the finest of several steps
  * dt, dt/2, dt/4, ..., with their estimated error over time (body_paths.h), and a second engine
  * at the same steps that confirms them or does not.
  *
@@ -22,9 +22,6 @@ enum { PL_REFERENCE_LEVELS = 7, PL_REFERENCE_CANDIDATES = 3 };
 /* A body differs beyond this share of its size (its smallest dimension), but at least beyond
  * pl_reference_least_bound (m), and beyond pl_reference_safety times the error of the reference. */
 extern const double pl_reference_share, pl_reference_least_bound, pl_reference_safety;
-
-/* The spec of the engine that makes references. */
-extern const char pl_reference_engine[];
 
 /* ---- Runs ---- */
 

@@ -1,4 +1,5 @@
 /* A judged case as an item of `cases` of plumb.reference/1. */
+#include "adapters/built_in.h"
 #include "reference_verdict.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
 #include "reference_verdict.h"
 
+#include "adapters/built_in.h"
 #include "base/heap.h"
 
 #include <math.h>
