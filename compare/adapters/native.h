@@ -1,4 +1,4 @@
-/* What adapters of native engines share, in C and C++. */
+/* Helpers of the adapters of native engines, for C and C++. */
 #ifndef PLUMB_NATIVE_H
 #define PLUMB_NATIVE_H
 

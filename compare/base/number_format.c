@@ -17,7 +17,7 @@ typedef struct scale {
 static const scale time_scales[] = {{1, "s"}, {1e-3, "ms"}, {1e-6, "µs"}, {1e-9, "ns"}};
 static const scale byte_scales[] = {{1e9, "GB"}, {1e6, "MB"}, {1e3, "kB"}, {1, "B"}};
 
-/* Writes a number as a power of ten with so many places: "1.20e-7". */
+/* Writes a number as a power of ten with `places` places: "1.20e-7". */
 static void power_of_ten(double value, int places, char text[32])
 {
     snprintf(text, 32, "%.*e", places, value);

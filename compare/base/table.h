@@ -79,7 +79,7 @@ __attribute__((format(printf, 2, 3)))
 #endif
 void pl_table_format_cell(pl_table *table, const char *format, ...);
 
-/* Adds the next cell, with a number of `digits` significant digits ("%.*g"); "-" where it is not finite. */
+/* Adds the next cell, with a number of `digits` significant digits ("%.*g"); "-" if it is not finite. */
 void pl_table_number(pl_table *table, double value, int digits);
 
 /* Adds a cell that is already Markdown, and is not escaped when written as such. */

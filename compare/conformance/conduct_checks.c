@@ -252,7 +252,7 @@ static double count_entries(pid_t pid, const char *name)
     return count;
 }
 
-/* What a leak would show in: bytes of memory, open files, threads. */
+/* The resources that a leak uses up: bytes of memory, open files, threads. */
 enum { HOLDING_COUNT = 3 };
 
 /* glibc counts freed blocks in its caches as in use, and fills these over the first rounds. A runtime
@@ -290,7 +290,7 @@ static void expect_no_growth(pl_probe *p, double rounds[ROUNDS][HOLDING_COUNT], 
             p, growth < kinds[k].least,
             pl_probe_text(p, "%s holds no more %s than the one before", work, kinds[k].what),
             pl_probe_text(p, "%.4g more each time", growth),
-            is_program ? "a leak, or garbage of which the runtime collected none so far"
+            is_program ? "a leak, or garbage that the runtime has not collected so far"
                        : "a leak: destroy frees what create and step made");
     }
     if (!is_seen) {

@@ -236,7 +236,7 @@ static coefficient measure_graze(pl_probe *p, const int materials[2], int across
         along += (change_y * x - change_x * y) / length;
     }
     return coefficient_of(p, FRICTION, 0, 1, normal > 0.1 * SPEED ? along / normal : (double)NAN,
-                          "two spheres, one of which spins");
+                          "two spheres, and one of them spins");
 }
 
 static void check_friction_spheres(pl_probe *p)

@@ -117,7 +117,7 @@ static void expect_static(pl_probe *p, int body, const char *when)
         pl_vec_of(found->position), pl_vec_of(asked->position), pl_probe_tolerance(p, 5),
         is_plane ? "read_frame: a plane has the position 0 and no rotation; its "
                    "normal and offset are the shape's"
-                 : "read_frame: static bodies are read as they were given");
+                 : "read_frame: static bodies are read unchanged");
     expect_orientation(p, is_plane ? "of a static plane" : "of a static body", found->orientation,
                        asked->orientation);
     pl_probe_expect_vector(p, "the velocity of a static body, m/s", pl_vec_of(found->velocity),

@@ -82,7 +82,7 @@ pl_gate_ratio pl_gate_ratio_measure(const pl_result_cell *cell, const pl_result_
 /* Adds the ratios of all rows to their objects, as a baseline keeps them. */
 void pl_gate_ratios_add(pl_gate_rows *rows, const char *label);
 
-/* Reads such an object, {reference, value, low, high, repeats}; 0 repeats where it is none. */
+/* Reads such an object, {reference, value, low, high, repeats}; 0 repeats if it is none. */
 pl_gate_ratio pl_gate_ratio_of_json(const json_t *json);
 
 /* How a ratio differs from that of the baseline. */

@@ -297,7 +297,7 @@ static void judge_cost(const pl_gate_row *before, const pl_gate_row *now, int co
 
 /* ---- Rules ---- */
 
-/* What a rule says of a row. */
+/* The finding of a rule about a row. */
 typedef enum judgement {
     SKIPPED, /* it has no value that the rule is about */
     PASSES,

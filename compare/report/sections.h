@@ -32,7 +32,7 @@ const char *pl_cell_why(const pl_result_cell *cell);
  * the case states one. */
 double pl_case_bound(const pl_result_case *test_case, char text[PL_QUANTITY_SIZE]);
 
-/* ---- Sections, each of which is left out where there is nothing to say ---- */
+/* ---- Sections. One that has nothing to say is left out ---- */
 
 /* The blanks before a table that stands below a line of its own on a terminal. */
 enum { PL_SECTION_INDENT = 2 };

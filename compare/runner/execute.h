@@ -66,7 +66,7 @@ bool pl_schedule_has_room(const pl_schedule *schedule, int threads);
  * engine has threads, and at least its share of all, cpus / jobs, as far as that is free. */
 int pl_schedule_begin(pl_schedule *schedule, int threads);
 
-/* Ends a run that began with so many CPUs. */
+/* Ends a run that began with `cpus` CPUs. */
 void pl_schedule_end(pl_schedule *schedule, int cpus);
 
 #endif

@@ -126,7 +126,7 @@ void pl_scene_bounds(const pl_scene *scene, double lower[3], double upper[3]);
  * the friction and restitution of every pair of materials that two bodies can bring together, with
  * the scene's: to 1e-12 relative, or to 16 units in the last place of a float where the engine
  * computes with floats. What the engine does not read back is not compared. *compared has a bit
- * 1 << pl_read_back for each kind of number that was, and *substeps the engine's sub-steps a step.
+ * 1 << pl_read_back for each kind of number that was, and *substeps the engine's sub-steps per step.
  * PL_UNSUPPORTED names the first number that differs, with both values. */
 pl_status pl_parameter_check(pl_session *session, const pl_scene *scene, unsigned *compared,
                              int *substeps, pl_error *error);

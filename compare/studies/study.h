@@ -22,7 +22,7 @@ typedef struct pl_study {
     const char *kind; /* of its conclusion, plumb.KIND/1 */
     /* Makes the conclusion from an array of results of the study, oldest first. `folder` has the files
      * that runs left next to results.jsonl. The conclusion is a new reference. PL_BAD_INPUT: a result lacks what the study needs.
-     * NULL: the results are of no study, and the command concludes. */
+     * NULL if the results are of no study: the command then concludes. */
     pl_status (*conclude)(const json_t *results, const char *folder, json_t **conclusion,
                           pl_error *error);
     /* Fills a document from a conclusion, which may be of a file. */

@@ -102,7 +102,7 @@ static bool next_arrangement(bool *flags, int count)
     return true;
 }
 
-/* Deals the pooled values anew at random (Fisher and Yates): the first `count_a` of `order` go to the first sample. */
+/* Shuffles the pooled values (Fisher and Yates): the first `count_a` of `order` go to the first sample. */
 static void deal(pl_random *random, int *order, pl_pool *pool)
 {
     memset(pool->of_a, 0, (size_t)pool->count * sizeof *pool->of_a);

@@ -17,7 +17,7 @@ static json_t *text(const char *value)
     return pl_json_text(value);
 }
 
-/* The text; null where it is empty. */
+/* The text, or null if it is empty. */
 static json_t *text_or_null(const char *value)
 {
     return value[0] == '\0' ? json_null() : text(value);

@@ -35,7 +35,7 @@ pl_status pl_shard_parse(const char *text, pl_shard *shard, pl_error *error)
     return PL_OK;
 }
 
-/* Reads the number of a variable; one that is not set leaves *value as it is. */
+/* Reads the number of a variable; one that is not set leaves *value unchanged. */
 static pl_status read_variable(const char *name, long *value, pl_error *error)
 {
     const char *text = getenv(name);

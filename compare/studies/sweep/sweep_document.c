@@ -70,7 +70,7 @@ static const json_t *element(const json_t *sweep, const char *key, const json_t 
 }
 
 /* The value at a path: keys separated by dots. A key after an index is one of what that names, and a number after an
- * array is a place, from the end where it is negative. */
+ * array is a place, from the end if it is negative. */
 static const json_t *value_at(const json_t *sweep, const json_t *row, const char *path)
 {
     char *keys = pl_heap_copy(path), *rest = keys;
@@ -237,7 +237,7 @@ static void add_pairs(pl_table *table, const char *columns, const json_t *sweep,
     }
 }
 
-/* A table of pairs, first at 1e-3, of which text shows all. */
+/* A table of pairs, first at 1e-3. Text shows all pairs at that error. */
 static pl_table pairs_table(const json_t *sweep, const json_t *wholes, const char *columns)
 {
     pl_table table = begin_table(columns);

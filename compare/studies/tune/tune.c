@@ -41,7 +41,7 @@ static bool measure(void *user, pl_evaluation *evaluation)
     return pl_tuner_goes_on(t);
 }
 
-/* Measures the answer with each parameter moved either way, and then as it is: these are the last runs of a tuning. */
+/* Measures the answer with each parameter moved either way, and then unchanged: these are the last runs of a tuning. */
 static void vary_answer(pl_tuner *t)
 {
     const pl_tune_space *space = t->def->space;

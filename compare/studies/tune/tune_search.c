@@ -216,7 +216,7 @@ static int next_start(const pl_search_result *found, const bool *begun)
     return best;
 }
 
-/* Runs NLopt with at most so many new evaluations. */
+/* Runs NLopt with at most `evaluations` new evaluations. */
 static void optimise(pl_evaluation_cache *cache, int start, int evaluations)
 {
     const int parameters = cache->def->parameter_count, most_asked = 10;
