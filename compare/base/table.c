@@ -66,7 +66,8 @@ void pl_table_add(pl_table *table, const char *text)
     pl_push(&table->cells, &table->cell_count, &cell, sizeof cell);
 }
 
-static void add_list(pl_table *table, const char *format, va_list arguments)
+__attribute__((format(printf, 2, 0))) static void add_list(pl_table *table, const char *format,
+                                                           va_list arguments)
 {
     char *text = pl_heap_format_list(format, arguments);
     pl_table_add(table, text);

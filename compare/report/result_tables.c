@@ -17,7 +17,7 @@ static const pl_metric_id shown[NUMBER_COLUMNS] = {
 static void add_number(const pl_result_configuration *configuration, const pl_result_cell *cell,
                        pl_metric_id id, pl_text_buffer *out)
 {
-    const pl_metric_summary summary = pl_result_cell_metric(cell, id);
+    const pl_metric_summary summary = pl_result_cell_metric(cell, (int)id);
     const pl_metric_summary wall = pl_result_cell_metric(cell, PL_METRIC_WALL_TIME_PER_STEP);
     char text[PL_METRIC_TEXT_SIZE];
     pl_metric_spread_text(&summary, text);
@@ -48,7 +48,7 @@ static void add_notes(const pl_result_table *results, pl_document *document)
     }
     for (int i = 0; i < results->cell_count; ++i) {
         for (int k = 0; k < NUMBER_COLUMNS; ++k) {
-            const int count = pl_result_cell_metric(&results->cells[i], shown[k]).count;
+            const int count = pl_result_cell_metric(&results->cells[i], (int)shown[k]).count;
             repeats = count > repeats ? count : repeats;
         }
     }

@@ -5,7 +5,12 @@
 #include <string.h>
 
 const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
-#define METRIC(id, ...) [PL_METRIC_##id] = {__VA_ARGS__},
+#define METRIC(id, name_, unit_, direction_, traits_, ...)                                         \
+    [PL_METRIC_##id] = {.name = name_,                                                             \
+                        .unit = unit_,                                                             \
+                        .direction = direction_,                                                   \
+                        .traits = traits_,                                                         \
+                        .definition = __VA_ARGS__},
 #include "metrics.def"
 };
 
