@@ -262,7 +262,7 @@ static void test_intervals_do_not_depend_on_a_third_engine(void **state)
     add_repeats(results, (sweep_run){.scenario = "a", "ode:q", .error = 1e-2}, theirs, REPEATS);
     pl_sweep_analysis without = analysis_of(results);
     pl_sweep_ratio before = comparison_with(&without, "ode")->ratios[PL_SPEED + 1];
-    pl_sweep_analysis_free(&without);
+    finish_sweep(&without, NULL);
     add_repeats(results, (sweep_run){.scenario = "a", "bullet:s", .error = 1e-2}, ours, REPEATS);
     add_repeats(results, (sweep_run){.scenario = "a", "ode:r", .error = 1e-2, .dt = 0.125},
                 (const double[]){9, 9.5, 10}, 3);

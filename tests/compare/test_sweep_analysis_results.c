@@ -225,7 +225,7 @@ static char *json_text_of(const json_t *results)
     assert_non_null(json);
     char *text = json_dumps(json, JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
     json_decref(json);
-    pl_sweep_analysis_free(&analysis);
+    finish_sweep(&analysis, NULL);
     return text;
 }
 
@@ -280,7 +280,7 @@ static void test_several_processors_and_builds_are_noted(void **state)
     json_t *results = crossing_sweep(), *later = json_deep_copy(results);
     pl_sweep_analysis analysis = analysis_of(results);
     assert_false(analysis.results->several_hosts || analysis.several_builds);
-    pl_sweep_analysis_free(&analysis);
+    finish_sweep(&analysis, NULL);
     json_object_set_new(json_object_get(json_array_get(results, 1), "host"), "cpu",
                         json_string("two"));
     json_object_set_new(json_array_get(later, 2), "engine_version", json_string("2.0"));

@@ -161,6 +161,7 @@ static void test_name_index_finds_names_and_the_first_duplicate(void **state)
     assert_int_equal(pl_name_index_create(NULL, 0, 0, &index), PL_OK);
     assert_int_equal(pl_name_index_find(&index, "fig"), -1);
     assert_null(pl_name_index_nearest(&index, "fig"));
+    pl_name_index_free(&index);
 }
 
 /* Of names that are equally near, the first of the alphabet is suggested, in whatever order they

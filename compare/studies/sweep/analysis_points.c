@@ -247,8 +247,10 @@ static void list_engines(pl_sweep_analysis *analysis)
             list_engine(row, kind, analysis);
         }
     }
-    qsort(analysis->engines, (size_t)analysis->engine_count, sizeof *analysis->engines,
-          compare_listed);
+    if (analysis->engine_count > 0) {
+        qsort(analysis->engines, (size_t)analysis->engine_count, sizeof *analysis->engines,
+              compare_listed);
+    }
     for (int i = 0; i < analysis->engine_count; ++i) {
         has_home[analysis->engines[i].kind] |= analysis->engines[i].is_home;
     }
