@@ -299,29 +299,14 @@ void pl_call_parse(const pl_call *call, void *options)
 
 /* ---- Ends of commands ---- */
 
-int pl_call_fail(const pl_call *call, const pl_error *error)
-{
-    pl_print_line(stderr, "%s: %s", call->argv[0], error->message);
-    return error->status == PL_BAD_INPUT ? PL_EXIT_USAGE : PL_EXIT_FAILED;
-}
-
 int pl_call_nothing(const pl_call *call, const char *why)
 {
     pl_print_line(stderr, "%s: %s", call->argv[0], why);
     return PL_EXIT_NOTHING;
 }
 
-int pl_call_end(const pl_call *call, pl_status status, const pl_error *error, int signal_number,
-                int code)
-{
-    if (status != PL_OK) {
-        return pl_call_fail(call, error);
-    }
-    return signal_number != 0 ? 128 + signal_number : code;
-}
-
 int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, pl_status status,
-                      const pl_error *error, int signal_number, int code)
+                      int signal_number, int code)
 {
     const size_t count = store == NULL ? 0 : json_array_size(pl_store_results(store));
     if (store != NULL && (signal_number != 0 || (status != PL_OK && count > 0))) {
@@ -332,7 +317,11 @@ int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, 
             call->argv[0], count, folder);
     }
     pl_store_close(store);
-    return pl_call_end(call, status, error, signal_number, code);
+    if (status != PL_OK) {
+        pl_print_line(stderr, "%s: %s", call->argv[0], call->error->message);
+        return call->error->status == PL_BAD_INPUT ? PL_EXIT_USAGE : PL_EXIT_FAILED;
+    }
+    return signal_number != 0 ? 128 + signal_number : code;
 }
 
 /* The results that are being made; NULL: none. */
@@ -348,22 +337,16 @@ pl_store *pl_request_open_store(const pl_call *call, const pl_request *request,
     return open_store;
 }
 
-void pl_call_check_end(const pl_call *call, pl_status status, const pl_error *error,
-                       int signal_number)
+void pl_call_check_end(const pl_call *call, pl_status status, int signal_number)
 {
     if (status != PL_OK || signal_number != 0) {
-        exit(pl_call_end_store(call, open_store, open_folder, status, error, signal_number, 0));
+        exit(pl_call_end_store(call, open_store, open_folder, status, signal_number, 0));
     }
-}
-
-void pl_call_check(const pl_call *call, pl_status status, const pl_error *error)
-{
-    pl_call_check_end(call, status, error, 0);
 }
 
 void pl_call_need(const pl_call *call, pl_status status)
 {
-    pl_call_check(call, status, call->error);
+    pl_call_check_end(call, status, 0);
 }
 
 void pl_call_print_json(const json_t *value)

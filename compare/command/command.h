@@ -111,32 +111,21 @@ int pl_option_find(const pl_option *options, int count, const char *name, size_t
  * program on bad usage (exit 2, with a suggestion for an unknown option), --help and --version. */
 void pl_call_parse(const pl_call *call, void *options);
 
-/* Reports an error, and returns its exit code. */
-int pl_call_fail(const pl_call *call, const pl_error *error);
-
-/* Ends the program as pl_call_end does, unless the status is PL_OK and no signal came. Where results of
- * pl_request_open_store are open, it also says how to go on. */
-void pl_call_check_end(const pl_call *call, pl_status status, const pl_error *error,
-                       int signal_number);
+/* Ends the program as pl_call_end_store does, unless the status is PL_OK and no signal came. If results of
+ * pl_request_open_store are open, it closes them. */
+void pl_call_check_end(const pl_call *call, pl_status status, int signal_number);
 
 /* The same where no signal is waited for. */
-void pl_call_check(const pl_call *call, pl_status status, const pl_error *error);
-
-/* The same where the error is that of the call. */
 void pl_call_need(const pl_call *call, pl_status status);
 
 /* Reports that there is nothing to do, and why. Returns PL_EXIT_NOTHING. */
 int pl_call_nothing(const pl_call *call, const char *why);
 
-/* The exit code of a command at its end: that of a failed status, whose error is reported; or 128
- * plus the number of the signal that ended it, or `code`. */
-int pl_call_end(const pl_call *call, pl_status status, const pl_error *error, int signal_number,
-                int code);
-
-/* pl_call_end of a command whose results are in the store (NULL: not opened) of `folder`, which it closes. One that did
- * not come to its end says how to go on. */
+/* Closes the store of `folder` (NULL: there is none), and returns the command's exit code: that of a failed status, whose
+ * error, that of the call, is reported; 128 plus the number of the signal that ended it; or else `code`. A command that
+ * did not come to its end says how to go on. */
 int pl_call_end_store(const pl_call *call, pl_store *store, const char *folder, pl_status status,
-                      const pl_error *error, int signal_number, int code);
+                      int signal_number, int code);
 
 /* Prints a value on standard output. */
 void pl_call_print_json(const json_t *value);

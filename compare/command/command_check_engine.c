@@ -161,8 +161,7 @@ static void run_checks(checking *c, const pl_engine_choice *choice, json_t *resu
         pl_check_result result;
         if (c->options->checks.count == 0 || is_among(&c->options->checks, check->name)) {
             const pl_limits *limits = &c->options->request.limits;
-            pl_call_check(c->call, pl_conformance_run(check, choice, limits, &result, error),
-                          error);
+            pl_call_need(c->call, pl_conformance_run(check, choice, limits, &result, error));
             counts[result.outcome] += 1;
             take_result(c, choice, &result, results);
         }
@@ -212,17 +211,17 @@ static void check_choice(checking *c, const pl_engine_choice *choice)
                            choice->engine->binary, "outcome", verdict, "checks", results));
 }
 
-/* What a SPEC chooses; ends the program where it is none, or is one that --all-profiles does not take. */
+/* The engine that a SPEC chooses. Ends the program if there is none, or --all-profiles does not take it. */
 static pl_engine_choice choose(const checking *c, const char *spec)
 {
     pl_engine_choice choice;
     pl_error *error = c->call->error;
     const char *slash = strrchr(spec, '/');
-    pl_call_check(c->call, pl_engine_choose(spec, &choice, error), error);
+    pl_call_need(c->call, pl_engine_choose(spec, &choice, error));
     if (c->options->all_profiles && strpbrk(slash == NULL ? spec : slash, ":,") != NULL) {
         pl_fail(error, PL_BAD_INPUT,
                 "--all-profiles takes an engine without a profile or options; found \"%s\"", spec);
-        pl_call_check(c->call, PL_BAD_INPUT, error);
+        pl_call_need(c->call, PL_BAD_INPUT);
     }
     return choice;
 }
@@ -246,7 +245,7 @@ static void check_engines(checking *c)
 {
     const pl_request *request = &c->options->request;
     pl_error *error = c->call->error;
-    pl_call_check(c->call, pl_request_outputs(request, NULL, error), error);
+    pl_call_need(c->call, pl_request_outputs(request, NULL, error));
     for (int i = 0; i < request->names.count; ++i) {
         choose(c, request->names.items[i]);
     }
@@ -256,7 +255,7 @@ static void check_engines(checking *c)
     if (request->json != NULL) {
         json_t *document =
             json_pack("{s:s, s:O}", "schema", "plumb.conformance/1", "engines", c->list);
-        pl_call_check(c->call, pl_results_write_json(request->json, document, error), error);
+        pl_call_need(c->call, pl_results_write_json(request->json, document, error));
         json_decref(document);
     }
 }

@@ -99,7 +99,7 @@ static void make_runs(const pl_call *call, const options *o, pl_execution_def ex
     const pl_status status =
         (o->tolerance ? pl_tolerance_execute : pl_execute)(&execution, &signal_number, call->error);
     free(recordings);
-    pl_call_check_end(call, status, call->error, signal_number);
+    pl_call_check_end(call, status, signal_number);
 }
 
 /* Makes the converged references of scene files that expect nothing. Returns their outcome; NULL: there is none. */
@@ -111,7 +111,7 @@ static json_t *make_references(const pl_call *call, const options *o, pl_executi
     execution.plan = o->no_reference ? &none : execution.plan;
     const pl_status status = pl_reference_study(&execution, o->request.out, o->request.resume,
                                                 &outcome, &signal_number, call->error);
-    pl_call_check_end(call, status, call->error, signal_number);
+    pl_call_check_end(call, status, signal_number);
     return outcome;
 }
 
@@ -138,7 +138,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     json_decref(reference);
     json_decref(provenance);
     free(recordings);
-    return pl_call_end_store(call, store, o->request.out, PL_OK, call->error, 0, code);
+    return pl_call_end_store(call, store, o->request.out, PL_OK, 0, code);
 }
 
 static int run(const pl_call *call)

@@ -215,7 +215,7 @@ static json_t *execute(const pl_call *call, const options *o, const pl_plan *pla
     status = close_trajectory(&frames, status, signal_number == 0, call->error);
     json_decref(target.source);
     json_decref(provenance);
-    pl_call_check_end(call, status, call->error, signal_number);
+    pl_call_check_end(call, status, signal_number);
     return found.result;
 }
 

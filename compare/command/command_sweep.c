@@ -63,12 +63,10 @@ static pl_status check(void *user, pl_error *error)
 /* Which shard, and where its results go. */
 static void choose_shard(const pl_call *call, sweep *s)
 {
-    pl_error error = {.message = ""};
     s->is_shard = true;
-    pl_call_check(call,
-                  s->asked != NULL ? pl_shard_parse(s->asked, &s->shard, &error)
-                                   : pl_shard_from_environment(&s->shard, &s->is_shard, &error),
-                  &error);
+    pl_call_need(call, s->asked != NULL
+                           ? pl_shard_parse(s->asked, &s->shard, call->error)
+                           : pl_shard_from_environment(&s->shard, &s->is_shard, call->error));
     s->folder =
         s->is_shard ? pl_shard_folder(s->request.out, s->shard) : pl_heap_copy(s->request.out);
 }
@@ -76,19 +74,18 @@ static void choose_shard(const pl_call *call, sweep *s)
 /* Adds ENGINE:tuned of each engine for which a file of profiles has it. */
 static void add_tuned(const pl_call *call, pl_plan *base)
 {
-    pl_error error = {.message = ""};
     const int count = base->configuration_count;
     for (int i = 0; i < count; ++i) {
         const pl_engine_info *engine = base->configurations[i].choice.engine;
         pl_tuned_profile profile;
         bool found = false;
         if (pl_engine_profile_index(engine, "tuned") < 0 && !engine->fault.is_fault) {
-            pl_call_check(call, pl_tuned_profile_find(engine, "tuned", &profile, &found, &error),
-                          &error);
+            pl_call_need(call,
+                         pl_tuned_profile_find(engine, "tuned", &profile, &found, call->error));
         }
         if (found) { /* once, however many profiles the engine has */
             char *spec = pl_heap_format("%s:tuned", engine->spec);
-            pl_call_check(call, pl_plan_add_engine(base, spec, &error), &error);
+            pl_call_need(call, pl_plan_add_engine(base, spec, call->error));
             free(spec);
         }
     }
@@ -109,14 +106,13 @@ static void set_defaults(sweep *s, bool is_usual)
 static void make_plan(const pl_call *call, sweep *s)
 {
     const bool is_usual = s->varied_count == 0;
-    pl_error error = {.message = ""};
     pl_setting *drawn = NULL;
     int drawn_count = 0;
     set_defaults(s, is_usual);
     pl_plan base = {.repeats = s->repeats};
-    pl_call_check(call, pl_request_plan(call, &s->request, &base, &error), &error);
+    pl_call_need(call, pl_request_plan(call, &s->request, &base, call->error));
     if (is_usual) {
-        pl_call_check(call, add_vary(s, PL_SWEEP_STEPS, &error), &error);
+        pl_call_need(call, add_vary(s, PL_SWEEP_STEPS, call->error));
         const pl_draw_def def = {.plan = &base,
                                  .steps = s->varied[0].numbers,
                                  .step_count = s->varied[0].count,
@@ -132,7 +128,7 @@ static void make_plan(const pl_call *call, sweep *s)
                              .drawn_count = drawn_count,
                              .changes = s->changes,
                              .shard = s->shard};
-    pl_call_check(call, pl_grid_plan(&def, &s->plan, &error), &error);
+    pl_call_need(call, pl_grid_plan(&def, &s->plan, call->error));
     pl_plan_take_files(&s->plan, &base);
     free(drawn);
     pl_plan_free(&base);
@@ -171,20 +167,19 @@ static void open_store(const pl_call *call, sweep *s)
 {
     static const char *const report_files[] = {"sweep.html", NULL};
     pl_request r = s->request;
-    pl_error error = {.message = ""};
     pl_status status = PL_OK;
     if (r.resume || (!s->is_shard && !r.force)) {
-        status = pl_merge_add_any(&s->before, r.out, &error);
+        status = pl_merge_add_any(&s->before, r.out, call->error);
     }
     if (!r.resume && (status == PL_BAD_INPUT || json_array_size(s->before.results) > 0)) {
         status =
-            pl_fail(&error, PL_BAD_INPUT,
+            pl_fail(call->error, PL_BAD_INPUT,
                     "%s/results.jsonl, or a shard next to it, has results: --resume keeps them "
                     "and makes the runs that are missing, --force leaves them out, and --out "
                     "takes another folder",
                     r.out);
     }
-    pl_call_check(call, status, &error);
+    pl_call_need(call, status);
     for (size_t i = 0; i < json_array_size(s->before.results); ++i) {
         pl_pruning_see(&s->pruning, json_array_get(s->before.results, i));
     }
@@ -195,7 +190,6 @@ static void open_store(const pl_call *call, sweep *s)
 /* The conclusion from all that is there. */
 static void conclude(const pl_call *call, sweep *s)
 {
-    pl_error error = {.message = ""};
     char *path = pl_heap_format("%s/results.jsonl", s->folder);
     pl_merge_add_results(&s->before, path, pl_store_results(s->store), NULL);
     const pl_result_table_def def = {.files = s->before.sources,
@@ -203,10 +197,10 @@ static void conclude(const pl_call *call, sweep *s)
                                      .has_changes = true,
                                      .home = s->request.home};
     pl_result_table results;
-    pl_call_check(call, pl_result_table_build(&def, &results, &error), &error);
+    pl_call_need(call, pl_result_table_build(&def, &results, call->error));
     pl_result_table_print_left_out(&results, stderr);
     json_t *conclusion = pl_sweep_conclude(&results);
-    pl_call_check(call, pl_study_write(&s->request, &pl_sweep_study, conclusion, &error), &error);
+    pl_call_need(call, pl_study_write(&s->request, &pl_sweep_study, conclusion, call->error));
     pl_print_line(stderr, "speed against error is in %s/sweep.html", s->request.out);
     json_decref(conclusion);
     pl_result_table_free(&results);
@@ -216,7 +210,6 @@ static void conclude(const pl_call *call, sweep *s)
 /* Runs what is due and delivers. A shard is a part, and says nothing by itself. */
 static int execute(const pl_call *call, sweep *s)
 {
-    pl_error error = {.message = ""};
     int signal_number = 0;
     s->provenance = pl_call_provenance(call);
     s->before = pl_merge_begin();
@@ -232,11 +225,11 @@ static int execute(const pl_call *call, sweep *s)
                                         .skip = skip,
                                         .take = take};
     pl_request_note_threads(call, &s->plan);
-    const pl_status status = pl_execute(&execution, &signal_number, &error);
-    pl_call_check_end(call, status, &error, signal_number);
+    const pl_status status = pl_execute(&execution, &signal_number, call->error);
+    pl_call_check_end(call, status, signal_number);
     const json_t *made = pl_store_results(s->store);
     const size_t count = json_array_size(made);
-    pl_call_check(call, pl_results_write_json(s->request.json, made, &error), &error);
+    pl_call_need(call, pl_results_write_json(s->request.json, made, call->error));
     if (!s->is_shard) {
         conclude(call, s);
     }
@@ -247,7 +240,7 @@ static int execute(const pl_call *call, sweep *s)
     pl_merge_free(&s->before);
     pl_pruning_free(&s->pruning);
     json_decref(s->provenance);
-    return pl_call_end_store(call, s->store, s->folder, PL_OK, &error, 0, code);
+    return pl_call_end_store(call, s->store, s->folder, PL_OK, 0, code);
 }
 
 static int run(const pl_call *call)
@@ -259,13 +252,12 @@ static int run(const pl_call *call)
                .plan = {.repeats = 1}};
     s.request.out = "sweep";
     pl_call_parse(call, &s);
-    pl_error error = {.message = ""};
     int code = PL_EXIT_OK;
-    pl_call_check(call, pl_request_outputs(&s.request, s.list, &error), &error);
+    pl_call_need(call, pl_request_outputs(&s.request, s.list, call->error));
     choose_shard(call, &s);
     make_plan(call, &s);
     if (s.list != NULL) {
-        pl_call_check(call, pl_grid_list(&s.plan, s.list, &error), &error);
+        pl_call_need(call, pl_grid_list(&s.plan, s.list, call->error));
     }
     if (s.plan.configuration_count == 0) {
         code = pl_call_nothing(call, "there is nothing to compare");

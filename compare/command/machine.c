@@ -147,7 +147,7 @@ static double memory_limit(double total)
 static const double STEP = 1e-5, LONGEST = 0.15; /* s */
 enum { EMPTY_REPEATS = 201, TRIALS = 5, REPEATS = 5001, MOST_ROUNDS = 1 << 24 };
 
-/* Times multiplications and additions each of which waits for the one before. Numbers that the compiler
+/* Times multiplications and additions in a chain: each waits for the one before. Numbers that the compiler
  * may not foresee keep the work between the calls of the timer. */
 static double time_work(pl_call_timer *timer, int rounds)
 {

@@ -130,7 +130,7 @@ static int carry_out(const pl_call *call, const pl_study_work *work, const pl_pl
     }
     json_decref(how.provenance);
     free(file);
-    code = pl_call_end_store(call, store, request->out, status, call->error, signal_number, code);
+    code = pl_call_end_store(call, store, request->out, status, signal_number, code);
     return status == PL_UNSUPPORTED ? PL_EXIT_NOTHING : code;
 }
 

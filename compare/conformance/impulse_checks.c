@@ -47,7 +47,7 @@ static void begin_collision(pl_probe *p, const collision *c)
 
 /* ---- What the motion shows ---- */
 
-/* What a body of principal moments, whose axes are the world's, has by its spin. */
+/* The angular momentum of a body whose principal axes are the world's. */
 static pl_vec spin_momentum(const pl_body *body, const double spin[3])
 {
     return (pl_vec){body->inertia[0] * spin[0], body->inertia[1] * spin[1],

@@ -126,7 +126,7 @@ pl_status pl_gate_tolerances_parse(const char *text, pl_gate_tolerances *toleran
 double pl_gate_tolerance_at(const pl_gate_tolerance *tolerance, int metric, double value,
                             double dt);
 
-/* The bits say of which of the three results of a comparison the rule holds. */
+/* Each bit is one of the three results of a comparison; it is set if the rule holds for that result. */
 typedef enum pl_gate_operator {
     PL_GATE_BELOW = 1,                                /* < */
     PL_GATE_EQUAL = 2,                                /* == */

@@ -242,7 +242,7 @@ static void add_statement(const pl_losses *losses, pl_document *document)
     free(others);
 }
 
-/* Adds an engine and its value, which says so where another engine's run is inaccurate. */
+/* Adds an engine and its value, marked if the run of another engine is inaccurate. */
 static void add_value(const pl_result_table *results, const pl_loss *loss,
                       const pl_result_cell *cell, pl_table *table)
 {

@@ -46,7 +46,7 @@ void pl_section_cases(const pl_result_table *results, pl_document *document);
 /* Adds the results in short: a row for each case, with a column for each engine. */
 void pl_section_matrix(const pl_result_table *results, pl_document *document);
 
-/* Adds the numbers that others published, for suites of which every case was run: its scenario and parameters, with any
+/* Adds the numbers that others published, for suites whose every case was run: its scenario and parameters, with any
  * time step and duration, which publications leave open. */
 void pl_section_published(const pl_result_table *results, pl_document *document);
 

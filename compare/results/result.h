@@ -123,7 +123,7 @@ enum { PL_VERDICT_COUNT = 4 };
 /* "accurate", "inaccurate", "failed", and "not judged", which is null in results. */
 const char *pl_verdict_name(pl_verdict verdict);
 
-/* The verdict of a result. One that was made without verdicts failed where its outcome says so, and
+/* The verdict of a result. A result without verdicts failed if its outcome is a failure, and
  * is else not judged. */
 pl_verdict pl_verdict_of(const json_t *result);
 

@@ -119,7 +119,7 @@ static void test_the_order_of_results_does_not_matter(void **state)
     json_decref(other);
 }
 
-/* Whether the conclusion says so of the first `count` results. */
+/* Whether the conclusion from the first `count` results is finished. */
 static bool is_finished(size_t count)
 {
     json_t *results = all_results(false), *conclusion = NULL;

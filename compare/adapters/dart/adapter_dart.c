@@ -1,7 +1,7 @@
 /* DART 6.12.
  *
- * A profile is a solver and a collision detector. `default` is dart::simulation::World as it is
- * constructed: FCL on triangles, Dantzig's method, and PGS for a group where Dantzig fails. `pgs`
+ * A profile is a solver and a collision detector. `default` is dart::simulation::World as its
+ * constructor makes it: FCL on triangles, Dantzig's method, and PGS for a group where Dantzig fails. `pgs`
  * has PGS alone, with nothing behind it. The others have the default's solver with another
  * detector. Bullet's is left out: libdart-collision-bullet needs Bullet in single precision, whose
  * libraries define 2146 of the symbols of those in double precision, such as

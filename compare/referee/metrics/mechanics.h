@@ -91,7 +91,7 @@ double pl_discrete_value(const pl_scene *scene, const pl_expect_value *value, pl
 typedef struct pl_scale {
     int dynamic_count;
     /* J: initial kinetic energy + M |g| H, where H is the extent along gravity of the bounding
-     * spheres of the dynamic bodies at the start; 1 J where that is 0. */
+     * spheres of the dynamic bodies at the start; 1 J if that is 0. */
     double energy;
     /* N s: sum over dynamic bodies of m |v0| + |I w0| / r + m |g| T, with the bounding radius r and
      * the duration T, + sum over forces of |F| T_F with each force's own duration T_F; at least

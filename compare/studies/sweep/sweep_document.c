@@ -108,7 +108,7 @@ static void add_ratio(pl_table *table, const json_t *ratio)
     }
 }
 
-/* A cost that is null was not reached with so many settings, where the row says how many there were. */
+/* A cost that is null was reached by none of the settings; the row has their number. */
 static void add_cell(pl_table *table, const json_t *row, const json_t *value, const char *format)
 {
     const double number = number_of(value), tried = number_of(json_object_get(row, "settings"));
